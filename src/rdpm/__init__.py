@@ -1,0 +1,20 @@
+"""rdpm: particle-resolved simulation of particulate flow with designed soft-sphere contacts."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+__version__ = "0.1.0"
+__all__ = ["Simulation", "design", "load_case"]
+
+_HOME = {"Simulation": "rdpm.setup", "load_case": "rdpm.config.load"}
+
+
+def __getattr__(name: str) -> Any:
+    # Loaded on first use: `rdpm info` and the design functions need neither the solver nor the case models.
+    if name == "design":
+        return importlib.import_module("rdpm.design")
+    if name in _HOME:
+        return getattr(importlib.import_module(_HOME[name]), name)
+    raise AttributeError(f"module 'rdpm' has no attribute {name!r}")

@@ -1,0 +1,1 @@
+"""Bodies: their state, their surface markers, and how the fluid moves them."""

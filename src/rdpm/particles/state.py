@@ -1,0 +1,78 @@
+"""State of the bodies: one array an attribute, one row a body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["FREE", "PRESCRIBED", "Bodies"]
+
+FREE = 0
+PRESCRIBED = 1   # velocity given as a function of time; a fixed body is one at rest
+
+Floats = NDArray[np.float64]
+
+
+@dataclass
+class Bodies:
+    """Spheres in a box; ids are the row numbers.
+
+    Parameters
+    ----------
+    diameter : ndarray, (N,), [m]
+        > 0.
+    density : ndarray, (N,), [kg/m^3]
+        > 0.
+    position : ndarray, (N, 3), [m]
+        Centres x, y, z; along a periodic direction wrapped into the box.
+    velocity, angular_velocity : ndarray, (N, 3), [m/s], [rad/s]
+        Zero when left out.
+    motion : ndarray of int32, (N,)
+        FREE or PRESCRIBED.
+
+    Attributes
+    ----------
+    mass : ndarray, (N,), [kg]
+    moment_of_inertia : ndarray, (N,), [kg m^2]
+        Of a homogeneous sphere, 0.4 m a^2.
+    orientation : ndarray, (N, 4), [-]
+        Unit quaternion w, x, y, z turning body axes into box axes.
+    crossings : ndarray of int64, (N, 3)
+        Times a body left through the upper (+) or lower (-) side of a periodic direction:
+        the unwrapped position is ``position + crossings * box_size``.
+    """
+
+    diameter: Floats
+    density: Floats
+    position: Floats
+    velocity: Floats = field(default=None)  # type: ignore[assignment]
+    angular_velocity: Floats = field(default=None)  # type: ignore[assignment]
+    motion: NDArray[np.int32] = field(default=None)  # type: ignore[assignment]
+    orientation: Floats = field(init=False)
+    crossings: NDArray[np.int64] = field(init=False)
+    mass: Floats = field(init=False)
+    moment_of_inertia: Floats = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.diameter = np.ascontiguousarray(self.diameter, dtype=np.float64)
+        n = self.diameter.size
+        self.density = np.ascontiguousarray(self.density, dtype=np.float64)
+        self.position = np.array(self.position, dtype=np.float64).reshape(n, 3)
+        for name in ("velocity", "angular_velocity"):
+            given = getattr(self, name)
+            setattr(self, name, np.zeros((n, 3)) if given is None else np.array(given, float).reshape(n, 3))
+        self.motion = np.zeros(n, np.int32) if self.motion is None else np.array(self.motion, np.int32)
+        self.orientation = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
+        self.crossings = np.zeros((n, 3), np.int64)
+        self.mass = self.density * np.pi / 6.0 * self.diameter**3
+        self.moment_of_inertia = 0.1 * self.mass * self.diameter**2
+
+    def __len__(self) -> int:
+        return int(self.diameter.size)
+
+    @property
+    def is_free(self) -> NDArray[np.bool_]:
+        """Bodies that move under forces: (N,)."""
+        return self.motion == FREE
