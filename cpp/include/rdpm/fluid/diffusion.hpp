@@ -1,0 +1,120 @@
+// Diffusion in large stable steps: the Runge-Kutta-Legendre scheme of second order with a constant source.
+//
+// Meyer, Balsara, Aslam, J. Comput. Phys. 257 (2014) 594, eqs 16-17. Written for the change D = Y - Y_0: with
+// M = nu lap(Y_0) + source, every stage is D_j = mu_j D_{j-1} + nu_j D_{j-2} + dt (mu~_j nu lap(D_{j-1}) + (mu~_j + gamma~_j) M),
+// so that only M is read, moving walls drop out, and a thread can recompute its neighbours' edge planes by itself.
+// All stages run over a few planes while these are in cache: stage j is one plane behind stage j-1.
+#pragma once
+#include <omp.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "rdpm/grid/grid.hpp"
+
+namespace rdpm {
+
+struct Stage {
+    double last, before, laplacian, rate;  // weights of D_{j-1}, D_{j-2}, dt nu lap(D_{j-1}) [nu excluded], dt M
+};
+
+inline std::vector<Stage> legendre_stages(int stages, double dt) {
+    const auto b = [](int j) { return j < 2 ? 1.0 / 3.0 : (j * j + j - 2.0) / (2.0 * j * (j + 1.0)); };
+    const double w1 = 4.0 / (static_cast<double>(stages) * stages + stages - 2.0);
+    std::vector<Stage> all{{0.0, 0.0, 0.0, b(1) * w1 * dt}};
+    for (int j = 2; j <= stages; ++j) {
+        const double mu = (2.0 * j - 1.0) / j * b(j) / b(j - 1);
+        const double nu = -(j - 1.0) / j * b(j) / b(j - 2);
+        const double mu_tilde = mu * w1, gamma_tilde = -(1.0 - b(j - 1)) * mu_tilde;
+        all.push_back({mu, nu, mu_tilde * dt, (mu_tilde + gamma_tilde) * dt});
+    }
+    return all;
+}
+
+// Weights with which the planes below and above enter, and whether they are the plane itself (mirrored at a side).
+struct EndPlane {
+    bool is_self;
+    double weight;
+};
+
+inline EndPlane end_plane(const Grid& g, int k, int neighbour, int component) {
+    if (g.boundary[2] == periodic || (neighbour >= 1 && neighbour <= g.nz())) {
+        // The top face of a walled box is the wall: its change is zero.
+        const bool at_wall = component == face_z && g.boundary[2] != periodic && neighbour == g.nz();
+        return {at_wall, at_wall ? 0.0 : 1.0};
+    }
+    if (component == face_z) return {true, 0.0};
+    return {true, mirror(g, k == 1 ? 4 : 5, component).sign};
+}
+
+// velocity += D_s for one component. `scratch`: 3 (stages-1) planes a thread.
+inline void stabilised_diffusion(const Grid& g, double* velocity, const double* rate, int component, double nu,
+                                 const std::vector<Stage>& stage, double* scratch) {
+    const int stages = static_cast<int>(stage.size()), nx = g.nx(), ny = g.ny(), nz = g.nz();
+    const std::size_t plane = g.plane(), row = g.row();
+    const double cx = nu / (g.spacing[0] * g.spacing[0]), cy = nu / (g.spacing[1] * g.spacing[1]),
+                 cz = nu / (g.spacing[2] * g.spacing[2]);
+    const int last_plane = component == face_z ? g.last_face(2) : nz;
+    const bool wraps = g.boundary[2] == periodic;
+    const int threads = std::min(g.threads, nz);
+#pragma omp parallel num_threads(threads)
+    {
+        const int team = omp_get_num_threads(), me = omp_get_thread_num();
+        auto [first, last] = share_of(nz, me, team);
+        last = std::min(last, last_plane + 1);
+        double* mine = scratch + static_cast<std::size_t>(3 * (stages - 1)) * plane * me;
+        const auto ring = [&](int j, int k) {  // plane k of D_j, 1 <= j < stages
+            return mine + (3 * (j - 1) + ((k % 3) + 3) % 3) * plane;
+        };
+        const auto rate_plane = [&](int k) { return rate + (wraps ? ((k - 1 + 2 * nz) % nz) + 1 : k) * plane; };
+        for (int tick = first - (stages - 1); tick < last + stages - 1; ++tick) {
+            for (int j = 1; j <= stages; ++j) {
+                const int k = tick - (j - 1), reach = stages - j;
+                if (k < first - reach || k >= last + reach) continue;
+                if (!wraps && (k < 1 || k > last_plane)) continue;
+                const double* m = rate_plane(k);
+                const Stage s = stage[j - 1];
+                if (j == 1) {
+                    double* out = ring(1, k);
+                    for (int y = 1; y <= ny; ++y) {
+                        const std::size_t o = y * row;
+#pragma omp simd
+                        for (int x = 1; x <= nx; ++x) out[o + x] = s.rate * m[o + x];
+                    }
+                    fill_plane_halo(g, out, component, true);
+                    continue;
+                }
+                const EndPlane lo = end_plane(g, k, k - 1, component), hi = end_plane(g, k, k + 1, component);
+                const double* c = ring(j - 1, k);
+                const double* below = lo.is_self ? c : ring(j - 1, k - 1);
+                const double* above = hi.is_self ? c : ring(j - 1, k + 1);
+                const double* before = j > 2 ? ring(j - 2, k) : c;
+                const double w_before = j > 2 ? s.before : 0.0;
+                const double bx = s.laplacian * cx, by = s.laplacian * cy, bz = s.laplacian * cz;
+                const double centre_weight = s.last - 2.0 * (bx + by + bz), b_lo = bz * lo.weight, b_hi = bz * hi.weight;
+                const auto change = [&](std::size_t i) {
+                    return centre_weight * c[i] + bx * (c[i + 1] + c[i - 1]) + by * (c[i + row] + c[i - row]) +
+                           b_lo * below[i] + b_hi * above[i] + w_before * before[i] + s.rate * m[i];
+                };
+                if (j < stages) {
+                    double* out = ring(j, k);
+                    for (int y = 1; y <= ny; ++y) {
+                        const std::size_t o = y * row;
+#pragma omp simd
+                        for (int x = 1; x <= nx; ++x) out[o + x] = change(o + x);
+                    }
+                    fill_plane_halo(g, out, component, true);
+                } else {
+                    double* out = velocity + k * plane;
+                    for (int y = 1; y <= ny; ++y) {
+                        const std::size_t o = y * row;
+#pragma omp simd
+                        for (int x = 1; x <= nx; ++x) out[o + x] += change(o + x);
+                    }
+                }
+            }
+        }
+    }
+}
+
+}  // namespace rdpm

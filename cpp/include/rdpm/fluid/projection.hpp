@@ -1,0 +1,331 @@
+// Projection: the velocity made divergence-free by one direct Poisson solve, streamed through the cache.
+//
+// Inwards, from both ends of z to the middle, a few planes at a time: divergence -> transform in x and y -> elimination in z.
+// Outwards, back: substitution -> inverse transform -> correction of velocity and pressure while the plane is in cache.
+// The two halves are independent until they meet, so two threads never wait for each other in between; more threads share the
+// planes of a batch and the rows of modes. The arithmetic, and so the result, is the same for any number of threads.
+#pragma once
+#include <omp.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "rdpm/fluid/momentum.hpp"
+#include "rdpm/fluid/transforms.hpp"
+#include "rdpm/fluid/tridiagonal.hpp"
+#include "rdpm/grid/grid.hpp"
+
+namespace rdpm {
+
+struct FlowMeasures {
+    double cfl_rate = 0.0;     // max over cells of sum |u_d| / spacing_d [1/s]
+    double square_sum = 0.0;   // sum of u^2 + v^2 + w^2 over faces [m^2/s^2]; not finite where anything is
+};
+
+// Waits for a small team: a short spin, then the processor is given away.
+class TeamBarrier {
+  public:
+    void wait(int team) {
+        if (team == 1) return;
+        const unsigned turn = turn_.load(std::memory_order_relaxed);
+        if (count_.fetch_add(1, std::memory_order_acq_rel) == team - 1) {
+            count_.store(0, std::memory_order_relaxed);
+            turn_.store(turn + 1, std::memory_order_release);
+            turn_.notify_all();
+            return;
+        }
+        for (int spin = 0; spin < 2000; ++spin)
+            if (turn_.load(std::memory_order_acquire) != turn) return;
+        turn_.wait(turn, std::memory_order_acquire);
+    }
+
+  private:
+    alignas(64) std::atomic<int> count_{0};
+    alignas(64) std::atomic<unsigned> turn_{0};
+};
+
+class Projection {
+  public:
+    explicit Projection(const Grid& g)
+        : g_(g), transform_(g),
+          solver_(g.nx(), g.ny(), g.nz(), g.spacing[2],
+                  mode_eigenvalues(g.nx(), g.spacing[0], g.boundary[0] == periodic),
+                  mode_eigenvalues(g.ny(), g.spacing[1], g.boundary[1] == periodic), g.boundary[2] == periodic),
+          carry_{modes(), modes()}, gather_{solver_.is_periodic() ? modes() : std::vector<double>{}, solver_.is_periodic() ? modes() : std::vector<double>{}},
+          plane_cfl_(g.nz() + 2), plane_square_(g.nz() + 2) {}
+
+    std::size_t bytes() const { return solver_.bytes() + 4 * carry_[0].size() * sizeof(double); }
+
+    // u, v, w -> divergence-free; p += phi - rotational * div(u before); phi: the pressure increment [m^2/s^2].
+    FlowMeasures project(VelocityArrays q, double* p, double* phi, double dt, double rotational) {
+        q_ = q;
+        p_ = p;
+        phi_ = phi;
+        dt_ = dt;
+        rotational_ = rotational;
+        run<true>();
+        return close();
+    }
+
+    // phi: a right-hand side of laplacian(x) = rhs with zero mean -> x. The same passes without the velocity.
+    void solve(double* phi) {
+        phi_ = phi;
+        run<false>();
+    }
+
+  private:
+    std::vector<double> modes() const { return std::vector<double>(static_cast<std::size_t>(g_.nx()) * g_.ny()); }
+    double* inner(int k) const { return phi_ + k * g_.plane() + g_.row() + 1; }
+    int plane_of(int half, int t) const { return half == 0 ? t + 1 : core() - t; }
+    int core() const { return g_.nz() - (solver_.is_periodic() ? 1 : 0); }
+
+    template <bool with_flow>
+    void run() {
+        if constexpr (with_flow) prepare_normal_faces();
+        // Halves are teams; a single thread does one after the other, then the meeting, then both back.
+        const int threads = std::max(1, std::min(g_.threads, 2 * g_.ny()));
+#pragma omp parallel num_threads(threads)
+        {
+            const int all = omp_get_num_threads(), me = omp_get_thread_num();
+            if (all == 1) {
+                for (int half = 0; half < 2; ++half) inwards<with_flow>(half, 0, 1);
+                meet(0, 1);
+                for (int half = 0; half < 2; ++half) outwards<with_flow>(half, 0, 1);
+            } else {
+                const int lower_team = all / 2, half = me < lower_team ? 0 : 1;
+                const int team = half == 0 ? lower_team : all - lower_team, rank = half == 0 ? me : me - lower_team;
+                inwards<with_flow>(half, rank, team);
+#pragma omp barrier
+                meet(me, all);
+#pragma omp barrier
+                outwards<with_flow>(half, rank, team);
+            }
+        }
+        if (solver_.is_periodic()) transform_.backward(inner(g_.nz()));  // X, until now read as a plane of modes
+    }
+
+    void prepare_normal_faces() {
+        double* w = q_.w;
+        const std::size_t bytes = g_.plane() * sizeof(double);
+        if (g_.boundary[2] == periodic) {
+            std::memcpy(w, w + g_.nz() * g_.plane(), bytes);
+        } else {
+            std::memset(w, 0, bytes);
+            std::memset(w + g_.nz() * g_.plane(), 0, bytes);
+        }
+    }
+
+    // Faces on and beyond the sides of a plane, then r = -dz^2 div(u)/dt times the transforms' normalisation.
+    void right_hand_side(int k) const {
+        const int nx = g_.nx(), ny = g_.ny();
+        const std::size_t row = g_.row(), base = k * g_.plane();
+        double *u = q_.u + base, *v = q_.v + base;
+        const double *w = q_.w + base, *below = w - g_.plane();
+        for (int j = 1; j <= ny; ++j) {
+            double* r = u + j * row;
+            if (g_.boundary[0] != periodic) r[nx] = 0.0;
+            r[0] = r[nx];
+        }
+        if (g_.boundary[1] != periodic) std::fill(v + ny * row, v + ny * row + row, 0.0);
+        std::memcpy(v, v + ny * row, row * sizeof(double));
+        const double dz = g_.spacing[2], factor = -dz * dz / dt_ * transform_.normalisation();
+        const double ix = factor / g_.spacing[0], iy = factor / g_.spacing[1], iz = factor / dz;
+        for (int j = 1; j <= ny; ++j) {
+            const std::size_t o = j * row;
+            double* out = phi_ + base + o;
+#pragma omp simd
+            for (int i = 1; i <= nx; ++i)
+                out[i] = (u[o + i] - u[o + i - 1]) * ix + (v[o + i] - v[o + i - row]) * iy + (w[o + i] - below[o + i]) * iz;
+        }
+    }
+    void scale_right_hand_side(int k) const {
+        const double factor = -g_.spacing[2] * g_.spacing[2] * transform_.normalisation();
+        for (int j = 0; j < g_.ny(); ++j)
+            for (int i = 0; i < g_.nx(); ++i) inner(k)[j * g_.row() + i] *= factor;
+    }
+
+    template <bool with_flow>
+    void load_and_transform(int k) const {
+        if constexpr (with_flow)
+            right_hand_side(k);
+        else
+            scale_right_hand_side(k);
+        transform_.forward(inner(k));
+    }
+
+    template <bool with_flow>
+    void inwards(int half, int rank, int team) {
+        const int planes = solver_.planes(half), ny = g_.ny();
+        const auto [first, last] = share_of(ny, rank, team);
+        for (int batch = 0; batch < planes; batch += team) {
+            if (batch + rank < planes) load_and_transform<with_flow>(plane_of(half, batch + rank));
+            barrier_[half].wait(team);
+            for (int t = batch; t < std::min(batch + team, planes); ++t) {
+                double* g = inner(plane_of(half, t));
+                const double* before = t > 0 ? inner(plane_of(half, t - 1)) : nullptr;
+                for (int j = first - 1; j < last - 1; ++j)
+                    solver_.eliminate(t, j, g + j * g_.row(), before ? before + j * g_.row() : nullptr,
+                                      gather_[half].data() + (solver_.is_periodic() ? j * g_.nx() : 0));
+            }
+        }
+        if (half == 1 && solver_.is_periodic() && rank == 0) load_and_transform<with_flow>(g_.nz());
+    }
+
+    void meet(int rank, int team) {
+        const auto [first, last] = share_of(g_.ny(), rank, team);
+        const int nx = g_.nx();
+        const double *lower = inner(plane_of(0, solver_.planes(0) - 1)), *upper = inner(plane_of(1, solver_.planes(1) - 1));
+        for (int j = first - 1; j < last - 1; ++j) {
+            double *a = carry_[0].data() + j * nx, *b = carry_[1].data() + j * nx;
+            std::copy_n(lower + j * g_.row(), nx, a);
+            std::copy_n(upper + j * g_.row(), nx, b);
+            if (solver_.is_periodic())
+                solver_.meet(j, a, b, gather_[0].data() + j * nx, gather_[1].data() + j * nx, inner(g_.nz()) + j * g_.row());
+            else
+                solver_.meet(j, a, b, nullptr, nullptr, nullptr);
+        }
+    }
+
+    template <bool with_flow>
+    void outwards(int half, int rank, int team) {
+        const int planes = solver_.planes(half), ny = g_.ny(), nx = g_.nx();
+        const auto [first, last] = share_of(ny, rank, team);
+        for (int done = 0; done < planes; done += team) {
+            for (int n = done; n < std::min(done + team, planes); ++n) {
+                const int t = planes - 1 - n;
+                double* g = inner(plane_of(half, t));
+                for (int j = first - 1; j < last - 1; ++j) {
+                    double* carry = carry_[half].data() + j * nx;
+                    if (n > 0)
+                        solver_.substitute(t, j, g + j * g_.row(), carry,
+                                           solver_.is_periodic() ? closing(j) : nullptr);
+                    std::copy_n(carry, nx, g + j * g_.row());
+                }
+            }
+            barrier_[half].wait(team);
+            const int n = done + rank, k = plane_of(half, planes - 1 - std::min(n, planes - 1));
+            if (n < planes) {
+                transform_.backward(inner(k));
+                if constexpr (with_flow) update_pressure(k);
+            }
+            barrier_[half].wait(team);  // the divergence of the planes beside was still needed
+            if constexpr (with_flow)
+                if (n < planes) correct(k, n == 0 ? -1 : half == 0 ? k : k - 1);
+        }
+    }
+    const double* closing(int j) const { return inner(g_.nz()) + j * g_.row(); }
+
+    // p += phi - rotational * div(u), before any face around plane k is corrected.
+    void update_pressure(int k) {
+        const int nx = g_.nx();
+        const std::size_t row = g_.row(), plane = g_.plane(), base = k * plane;
+        fill_plane_halo(g_, phi_ + base, centre);
+        const double *u = q_.u + base, *v = q_.v + base, *w = q_.w + base, *w_below = w - plane, *phi = phi_ + base;
+        double* p = p_ + base;
+        const double ix = rotational_ / g_.spacing[0], iy = rotational_ / g_.spacing[1], iz = rotational_ / g_.spacing[2];
+        for (int j = 1; j <= g_.ny(); ++j) {
+            const std::size_t o = j * row;
+            if (rotational_ == 0.0) {
+#pragma omp simd
+                for (int i = 1; i <= nx; ++i) p[o + i] += phi[o + i];
+            } else {
+#pragma omp simd
+                for (int i = 1; i <= nx; ++i)
+                    p[o + i] += phi[o + i] - ((u[o + i] - u[o + i - 1]) * ix + (v[o + i] - v[o + i - row]) * iy +
+                                              (w[o + i] - w_below[o + i]) * iz);
+            }
+        }
+        fill_plane_halo(g_, p, centre);
+    }
+
+    // Velocity of plane k; `face`: the plane of w that lies between k and the plane done before, or -1.
+    void correct(int k, int face) {
+        const int nx = g_.nx(), ny = g_.ny();
+        const std::size_t row = g_.row(), base = k * g_.plane();
+        double *u = q_.u + base, *v = q_.v + base;
+        const double* phi = phi_ + base;
+        const double sx = dt_ / g_.spacing[0], sy = dt_ / g_.spacing[1];
+        const int last_x = g_.last_face(0), last_y = g_.last_face(1);
+        for (int j = 1; j <= ny; ++j) {
+            const std::size_t o = j * row;
+#pragma omp simd
+            for (int i = 1; i <= last_x; ++i) u[o + i] -= sx * (phi[o + i + 1] - phi[o + i]);
+            if (j <= last_y) {
+#pragma omp simd
+                for (int i = 1; i <= nx; ++i) v[o + i] -= sy * (phi[o + i + row] - phi[o + i]);
+            }
+        }
+        fill_plane_halo(g_, u, face_x);
+        fill_plane_halo(g_, v, face_y);
+        if (face >= 0) correct_faces(face, face + 1);
+        measure(k, face >= 0 ? face : k);
+    }
+
+    // w between the planes `below` and `above`.
+    void correct_faces(int below, int above) {
+        const int nx = g_.nx();
+        double* w = q_.w + below * g_.plane();
+        const double *a = phi_ + below * g_.plane(), *b = phi_ + above * g_.plane(), s = dt_ / g_.spacing[2];
+        for (int j = 1; j <= g_.ny(); ++j) {
+            const std::size_t o = j * g_.row();
+#pragma omp simd
+            for (int i = 1; i <= nx; ++i) w[o + i] -= s * (b[o + i] - a[o + i]);
+        }
+        fill_plane_halo(g_, w, face_z);
+    }
+
+    void measure(int k, int face) {
+        const std::size_t row = g_.row();
+        const double *u = q_.u + k * g_.plane(), *v = q_.v + k * g_.plane(), *w = q_.w + face * g_.plane();
+        const double ix = 1.0 / g_.spacing[0], iy = 1.0 / g_.spacing[1], iz = 1.0 / g_.spacing[2];
+        double most = 0.0, sum = 0.0;
+        for (int j = 1; j <= g_.ny(); ++j) {
+            const std::size_t o = j * row;
+#pragma omp simd reduction(max : most) reduction(+ : sum)
+            for (int i = 1; i <= g_.nx(); ++i) {
+                const double a = u[o + i], b = v[o + i], c = w[o + i];
+                most = std::max(most, std::abs(a) * ix + std::abs(b) * iy + std::abs(c) * iz);
+                sum += a * a + b * b + c * c;
+            }
+        }
+        plane_cfl_[k] = most;
+        plane_square_[k] = sum;
+    }
+
+    // What lies between the halves and across the ends, then the end planes' halos and the sums in fixed order.
+    FlowMeasures close() {
+        const int nz = g_.nz(), middle = plane_of(0, solver_.planes(0) - 1);
+        if (solver_.is_periodic()) {
+            update_pressure(nz);
+            correct(nz, nz - 1);
+            correct_faces(nz, 1);
+        } else {
+            fill_plane_halo(g_, q_.w, face_z);
+            fill_plane_halo(g_, q_.w + nz * g_.plane(), face_z);
+        }
+        correct_faces(middle, middle + 1);
+        for (int c = 0; c < 3; ++c) fill_end_planes(g_, c == 0 ? q_.u : c == 1 ? q_.v : q_.w, c);
+        fill_end_planes(g_, p_, centre);
+        FlowMeasures all;
+        for (int k = 1; k <= nz; ++k) {
+            all.cfl_rate = std::max(all.cfl_rate, plane_cfl_[k]);
+            all.square_sum += plane_square_[k];
+        }
+        return all;
+    }
+
+    Grid g_;
+    PlaneTransform transform_;
+    Tridiagonal solver_;
+    std::vector<double> carry_[2], gather_[2];
+    std::vector<double> plane_cfl_, plane_square_;
+    TeamBarrier barrier_[2];
+    VelocityArrays q_{};
+    double *p_ = nullptr, *phi_ = nullptr;
+    double dt_ = 1.0, rotational_ = 0.0;
+};
+
+}  // namespace rdpm

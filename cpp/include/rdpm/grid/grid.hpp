@@ -1,0 +1,132 @@
+// The staggered grid: sizes, spacings, boundaries; and the halo of one plane.
+//
+// Arrays are [k][j][i] with one halo cell on each side: (nz+2, ny+2, nx+2). Cell (k, j, i) has indices 1..n.
+// u[k][j][i] sits on the face between cells i and i+1, v between j and j+1, w between k and k+1.
+#pragma once
+#include <array>
+#include <cstddef>
+
+namespace rdpm {
+
+enum Boundary : int { periodic = 0, wall = 1, free_slip = 2 };  // of a pair of opposite sides
+
+// Where a field sits: at cell centres, or on the faces across one direction.
+enum Location : int { face_x = 0, face_y = 1, face_z = 2, centre = 3 };
+
+struct Grid {
+    std::array<int, 3> cells{};          // nx, ny, nz
+    std::array<double, 3> spacing{};     // dx, dy, dz [m]
+    std::array<int, 3> boundary{};       // of the x, y, z pairs
+    std::array<double, 18> side_speed{};  // [side][component] [m/s]; sides x_lower, x_upper, y_lower, ...
+    int threads = 1;
+
+    int nx() const { return cells[0]; }
+    int ny() const { return cells[1]; }
+    int nz() const { return cells[2]; }
+    std::size_t row() const { return static_cast<std::size_t>(cells[0]) + 2; }
+    std::size_t plane() const { return row() * (static_cast<std::size_t>(cells[1]) + 2); }
+    double volume() const { return spacing[0] * spacing[1] * spacing[2]; }
+    double speed_of_side(int side, int component) const { return side_speed[3 * side + component]; }
+
+    // Planes whose normal face is inside the box: the last face of a walled direction is the wall itself.
+    int last_face(int direction) const { return cells[direction] - (boundary[direction] == periodic ? 0 : 1); }
+};
+
+// The planes [first, last) of 1..n that thread `t` of `threads` owns.
+inline std::array<int, 2> share_of(int n, int t, int threads) {
+    return {1 + static_cast<int>(static_cast<long>(n) * t / threads),
+            1 + static_cast<int>(static_cast<long>(n) * (t + 1) / threads)};
+}
+
+// A halo value beyond a side is `sign * inner + offset`: -1 and twice the wall's speed at a no-slip wall, +1 at free slip.
+struct Mirror {
+    double sign, offset;
+};
+
+inline Mirror mirror(const Grid& g, int side, int component) {
+    if (component == centre || g.boundary[side / 2] == free_slip) return {1.0, 0.0};
+    return {-1.0, 2.0 * g.speed_of_side(side, component)};
+}
+
+// Halo cells of one plane in x and y; `homogeneous`: of a change, to which moving walls add nothing.
+inline void fill_plane_halo(const Grid& g, double* q, int location, bool homogeneous = false) {
+    const int nx = g.nx(), ny = g.ny();
+    const std::size_t row = g.row();
+    const auto side = [&](int s) {
+        Mirror m = mirror(g, s, location);
+        if (homogeneous) m.offset = 0.0;
+        return m;
+    };
+    if (g.boundary[0] == periodic) {
+        for (int j = 1; j <= ny; ++j) {
+            double* r = q + j * row;
+            r[0] = r[nx];
+            r[nx + 1] = r[1];
+        }
+    } else if (location == face_x) {
+        for (int j = 1; j <= ny; ++j) {
+            double* r = q + j * row;
+            r[0] = r[nx] = 0.0;
+            r[nx + 1] = -r[nx - 1];
+        }
+    } else {
+        const Mirror lower = side(0), upper = side(1);
+        for (int j = 1; j <= ny; ++j) {
+            double* r = q + j * row;
+            r[0] = lower.sign * r[1] + lower.offset;
+            r[nx + 1] = upper.sign * r[nx] + upper.offset;
+        }
+    }
+    double *first = q, *last = q + (ny + 1) * row;
+    const double *inner_first = q + row, *inner_last = q + ny * row;
+    if (g.boundary[1] == periodic) {
+        for (int i = 0; i < nx + 2; ++i) {
+            first[i] = inner_last[i];
+            last[i] = inner_first[i];
+        }
+    } else if (location == face_y) {
+        double *at_wall = q + ny * row, *below = q + (ny - 1) * row;
+        for (int i = 0; i < nx + 2; ++i) {
+            first[i] = at_wall[i] = 0.0;
+            last[i] = -below[i];
+        }
+    } else {
+        const Mirror lower = side(2), upper = side(3);
+        for (int i = 0; i < nx + 2; ++i) {
+            first[i] = lower.sign * inner_first[i] + lower.offset;
+            last[i] = upper.sign * inner_last[i] + upper.offset;
+        }
+    }
+}
+
+// The two halo planes in z, from planes whose own halos are current.
+inline void fill_end_planes(const Grid& g, double* q, int location) {
+    const std::size_t plane = g.plane();
+    const int nz = g.nz();
+    double *bottom = q, *top = q + (nz + 1) * plane;
+    if (g.boundary[2] == periodic) {
+        for (std::size_t i = 0; i < plane; ++i) {
+            bottom[i] = q[nz * plane + i];
+            top[i] = q[plane + i];
+        }
+    } else if (location == face_z) {
+        for (std::size_t i = 0; i < plane; ++i) {
+            bottom[i] = q[nz * plane + i] = 0.0;
+            top[i] = -q[(nz - 1) * plane + i];
+        }
+    } else {
+        const Mirror lower = mirror(g, 4, location), upper = mirror(g, 5, location);
+        for (std::size_t i = 0; i < plane; ++i) {
+            bottom[i] = lower.sign * q[plane + i] + lower.offset;
+            top[i] = upper.sign * q[nz * plane + i] + upper.offset;
+        }
+    }
+}
+
+inline void fill_halo(const Grid& g, double* q, int location) {
+#pragma omp parallel for num_threads(g.threads) schedule(static)
+    for (int k = 1; k <= g.nz(); ++k) fill_plane_halo(g, q + k * g.plane(), location);
+    fill_end_planes(g, q, location);
+}
+
+}  // namespace rdpm

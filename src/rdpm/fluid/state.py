@@ -1,0 +1,150 @@
+"""State of the fluid and the two halves of its step: predict, project."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rdpm import _core
+from rdpm.grid import Grid
+
+__all__ = ["Fluid"]
+
+Field = NDArray[np.float64]
+
+
+@dataclass
+class Fluid:
+    """Velocity and pressure on the staggered grid, advanced by prediction and projection.
+
+    Parameters
+    ----------
+    grid : Grid
+    density : float, [kg/m^3]
+    viscosity : float, [m^2/s]
+        Kinematic.
+    is_explicit : bool
+        Diffusion explicit (Adams-Bashforth 2), or by stabilised stages.
+
+    Attributes
+    ----------
+    u, v, w : ndarray, (nz+2, ny+2, nx+2), [m/s]
+        ``u[k, j, i]`` on the face between cells i and i+1, ``v`` between j and j+1, ``w`` between k and k+1.
+    p : ndarray, (nz+2, ny+2, nx+2), [m^2/s^2]
+        Pressure over density, without the hydrostatic part.
+    tendency : list of three ndarray
+        Last step's tendency, what Adams-Bashforth 2 extrapolates with; sources are spread into it.
+    """
+
+    grid: Grid
+    density: float
+    viscosity: float
+    is_explicit: bool = True
+    u: Field = field(init=False)
+    v: Field = field(init=False)
+    w: Field = field(init=False)
+    p: Field = field(init=False)
+    increment: Field = field(init=False)
+    tendency: list[Field] = field(init=False)
+    cfl_rate: float = field(init=False, default=0.0)
+    square_sum: float = field(init=False, default=0.0)
+
+    def __post_init__(self) -> None:
+        self.u, self.v, self.w, self.p, self.increment = (self.grid.zeros() for _ in range(5))
+        self.tendency = [self.grid.zeros() for _ in range(3)]
+        self._rate = [] if self.is_explicit else [self.grid.zeros() for _ in range(3)]
+        self._last_dt = 0.0
+        self._scratch = np.zeros(0)
+        self._projection = _core.Projection(self.grid.core)
+
+    @property
+    def velocity(self) -> tuple[Field, Field, Field]:
+        """u, v, w."""
+        return self.u, self.v, self.w
+
+    @property
+    def last_dt(self) -> float:
+        """Length of the last step [s]; 0 before the first."""
+        return self._last_dt
+
+    def set_velocity(self, u: Field | float, v: Field | float, w: Field | float) -> None:
+        """Change the velocity: inner cells as given, halos from the boundaries.
+
+        Parameters
+        ----------
+        u, v, w : float or ndarray broadcastable to (nz+2, ny+2, nx+2), [m/s]
+        """
+        for location, (target, value) in enumerate(zip(self.velocity, (u, v, w), strict=True)):
+            target[...] = value
+            _core.fill_halo(self.grid.core, target, location)
+
+    def weights(self, dt: float) -> tuple[float, float]:
+        """Adams-Bashforth 2 weights of the new and the stored tendency for a step of any length.
+
+        Before the first step the stored tendency holds nothing but sources, which then count once.
+        """
+        if self._last_dt == 0.0:
+            return 1.0, 1.0
+        ratio = 0.5 * dt / self._last_dt
+        return 1.0 + ratio, ratio
+
+    def predict(self, dt: float, stages: int, force: tuple[float, float, float]) -> None:
+        """Change u, v, w to the velocity before projection; the tendencies are stored for the next step.
+
+        Parameters
+        ----------
+        dt : float, [s]
+        stages : int
+            Of the stabilised scheme; not used by explicit diffusion.
+        force : tuple of float, (3,), [m/s^2]
+            Uniform, a unit mass.
+
+        Notes
+        -----
+        On return only inner faces hold the prediction; halos and faces on walls are set by `project`.
+        """
+        now, then = self.weights(dt)
+        core, (u, v, w) = self.grid.core, self.velocity
+        planes = 9 if self.is_explicit else 3 * (stages - 1)
+        size = planes * u[0].size * self.grid.threads
+        if self._scratch.size < size:
+            self._scratch = np.zeros(size)
+        if self.is_explicit:
+            _core.momentum_explicit(core, u, v, w, *self.tendency, self.p, dt, now, then, self.viscosity, force,
+                                    self._scratch)
+        else:
+            _core.momentum_rate(core, u, v, w, *self.tendency, *self._rate, self.p, now, then, self.viscosity, force)
+            for component, (q, rate) in enumerate(zip(self.velocity, self._rate, strict=True)):
+                _core.diffuse_stabilised(core, q, rate, component, dt, self.viscosity, stages, self._scratch)
+        self._last_dt = dt
+
+    def project(self, dt: float) -> None:
+        """Change u, v, w to be divergence-free, halos current, and the pressure with it."""
+        rotational = 0.0 if self.is_explicit else 0.5 * self.viscosity
+        self.cfl_rate, self.square_sum = self._projection.project(self.grid.core, *self.velocity, self.p,
+                                                                  self.increment, dt, rotational)
+
+    def largest_divergence(self) -> float:
+        """Over the cells [1/s]."""
+        return float(_core.largest_divergence(self.grid.core, *self.velocity))
+
+    def cell_values(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Velocity (nz, ny, nx, 3) [m/s] and pressure (nz, ny, nx) [Pa] at the cell centres, single precision."""
+        nx, ny, nz = self.grid.cells
+        velocity = np.empty((nz, ny, nx, 3), np.float32)
+        pressure = np.empty((nz, ny, nx), np.float32)
+        _core.cell_values(self.grid.core, *self.velocity, self.p, self.density, velocity, pressure)
+        return velocity, pressure
+
+    def kinetic_energy(self) -> float:
+        """Of the fluid after the last projection [J]."""
+        dx, dy, dz = self.grid.spacing
+        return 0.5 * self.density * self.square_sum * dx * dy * dz
+
+    @property
+    def bytes(self) -> int:
+        """Memory of the fields and the solver."""
+        arrays = [*self.velocity, self.p, self.increment, *self.tendency, *self._rate, self._scratch]
+        return sum(a.nbytes for a in arrays) + int(self._projection.bytes)

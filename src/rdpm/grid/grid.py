@@ -1,0 +1,148 @@
+"""The staggered grid: the box kept exactly, its own uniform spacing in each direction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rdpm import _core
+from rdpm.grid.boundary import BOUNDARIES, Boundary
+
+__all__ = ["Grid", "choose_cells", "is_smooth"]
+
+#: Spacings may differ by this much from the one asked, to reach a count that suits the transforms.
+SPACING_TOLERANCE = 0.03
+
+
+def is_smooth(n: int) -> bool:
+    """Whether n is a product of 2, 3 and 5.
+
+    Parameters
+    ----------
+    n : int
+        > 0.
+
+    Examples
+    --------
+    >>> is_smooth(54), is_smooth(53)
+    (True, False)
+    """
+    for prime in (2, 3, 5):
+        while n % prime == 0:
+            n //= prime
+    return n == 1
+
+
+def choose_cells(length: float, spacing: float) -> int:
+    """Cells along one direction: the transform-friendly count nearest to length / spacing.
+
+    Parameters
+    ----------
+    length : float, [m]
+        Of the box, kept exactly; > 0.
+    spacing : float, [m]
+        Asked; > 0.
+
+    Returns
+    -------
+    int
+        The product of 2, 3 and 5 whose spacing is nearest the one asked if it is within 3 %,
+        otherwise the nearest whole number; at least 4.
+
+    Examples
+    --------
+    >>> choose_cells(0.1, 0.015 / 8)
+    54
+    """
+    ideal = length / spacing
+    reach = range(max(4, int(ideal * (1 - SPACING_TOLERANCE))), max(5, int(ideal * (1 + SPACING_TOLERANCE)) + 2))
+    smooth = [n for n in reach if is_smooth(n) and abs(ideal / n - 1) <= SPACING_TOLERANCE]
+    if smooth:
+        return min(smooth, key=lambda n: abs(ideal / n - 1))
+    return max(4, round(ideal))
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A box of nx x ny x nz cells; fields are (nz+2, ny+2, nx+2) arrays with one halo cell a side.
+
+    Parameters
+    ----------
+    size : tuple of float, (3,), [m]
+        Lx, Ly, Lz.
+    cells : tuple of int, (3,)
+        nx, ny, nz; at least 4 each.
+    boundary : tuple of str, (3,)
+        Of the x, y and z pair of sides: "periodic", "wall" (no-slip) or "free-slip".
+    wall_velocity : ndarray, (6, 3), [m/s]
+        Tangential velocity of each side, ordered x_lower, x_upper, y_lower, ...
+    threads : int
+        Used by every loop over the grid.
+
+    Examples
+    --------
+    >>> grid = Grid((1.0, 1.0, 2.0), (8, 8, 16), ("periodic", "wall", "wall"))
+    >>> grid.shape, grid.spacing
+    ((18, 10, 10), (0.125, 0.125, 0.125))
+    """
+
+    size: tuple[float, float, float]
+    cells: tuple[int, int, int]
+    boundary: tuple[Boundary, Boundary, Boundary] = ("wall", "wall", "wall")
+    wall_velocity: NDArray[np.float64] = field(default_factory=lambda: np.zeros((6, 3)))
+    threads: int = 1
+
+    @property
+    def spacing(self) -> tuple[float, float, float]:
+        """dx, dy, dz [m]."""
+        x, y, z = (length / n for length, n in zip(self.size, self.cells, strict=True))
+        return x, y, z
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Of a field with its halo: (nz+2, ny+2, nx+2)."""
+        nx, ny, nz = self.cells
+        return nz + 2, ny + 2, nx + 2
+
+    @property
+    def is_periodic(self) -> tuple[bool, bool, bool]:
+        """A flag a direction."""
+        x, y, z = (kind == "periodic" for kind in self.boundary)
+        return x, y, z
+
+    @property
+    def volume(self) -> float:
+        """Of the box [m^3]."""
+        return self.size[0] * self.size[1] * self.size[2]
+
+    @cached_property
+    def core(self) -> _core.Grid:
+        """The same facts as the kernels read them."""
+        return _core.Grid(list(self.cells), list(self.spacing), [BOUNDARIES.index(b) for b in self.boundary],
+                          np.asarray(self.wall_velocity, float).ravel().tolist(), self.threads)
+
+    def zeros(self) -> NDArray[np.float64]:
+        """A field of zeros with its halo."""
+        return np.zeros(self.shape)
+
+    def points(self, location: str) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Coordinates where a field sits, halo included.
+
+        Parameters
+        ----------
+        location : str
+            "u", "v", "w" (faces) or "p" (cell centres).
+
+        Returns
+        -------
+        x, y, z : ndarray, (nx+2,), (ny+2,), (nz+2,), [m]
+        """
+        axes: Sequence[NDArray[np.float64]] = [
+            (np.arange(n + 2) - (0.0 if location == name else 0.5)) * h
+            for name, n, h in zip("uvw", self.cells, self.spacing, strict=True)
+        ]
+        return axes[0], axes[1], axes[2]

@@ -1,0 +1,1 @@
+"""How the work is shared: threads within a process."""
