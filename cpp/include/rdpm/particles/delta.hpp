@@ -1,0 +1,62 @@
+// The regularised delta: three points wide (Roma, Peskin, Berger, J. Comput. Phys. 153 (1999) 509), folded at the sides.
+#pragma once
+#include <cmath>
+
+#include "rdpm/grid/grid.hpp"
+
+namespace rdpm {
+
+inline double roma(double r) {
+    r = std::abs(r);
+    if (r < 0.5) return (1.0 + std::sqrt(1.0 - 3.0 * r * r)) / 3.0;
+    if (r < 1.5) return (5.0 - 3.0 * r - std::sqrt(std::fmax(0.0, 1.0 - 3.0 * (1.0 - r) * (1.0 - r)))) / 6.0;
+    return 0.0;
+}
+
+// Three indices and weights along one direction; `wall`: what a moving wall's speed enters with.
+struct Stencil {
+    int index[3];
+    double weight[3];
+    double wall[2];  // lower, upper side
+};
+
+// Stencil of a point at x along direction d for values on faces (of d) or at centres. Folded: a halo value is
+// sign * inner + (1 - sign) * wall speed, so its weight goes to the inner value; a periodic index is wrapped.
+// `location`: the component whose values these are, which decides the sign at a side.
+inline Stencil stencil_along(const Grid& g, int d, double x, int location) {
+    const int n = g.cells[d];
+    const bool on_faces = d == location;
+    const double s = x / g.spacing[d] + (on_faces ? 0.0 : 0.5);  // in index units: face i at i, centre i at i
+    const int middle = static_cast<int>(std::floor(s + 0.5));
+    Stencil out{};
+    for (int a = 0; a < 3; ++a) {
+        int i = middle - 1 + a;
+        double weight = roma(s - i);
+        if (g.boundary[d] == periodic) {
+            while (i < 1) i += n;
+            while (i > n) i -= n;
+        } else if (on_faces) {
+            // Odd about the wall, where the face itself is at rest; a face at or beyond index n mirrors to 2n - i.
+            if (i == 0 || i == n) {
+                weight = 0.0;
+                i = 1;
+            } else if (i < 0 || i > n) {
+                i = i < 0 ? -i : 2 * n - i;
+                weight = -weight;
+            }
+            if (i < 1 || i > n) weight = 0.0, i = 1;
+        } else if (i < 1 || i > n) {
+            const int side = i < 1 ? 0 : 1;
+            const double sign = mirror(g, 2 * d + side, location).sign;
+            out.wall[side] += weight * (1.0 - sign);
+            i = i < 1 ? 1 - i : 2 * n + 1 - i;
+            weight *= sign;
+            if (i < 1 || i > n) weight = 0.0, i = 1;
+        }
+        out.index[a] = i;
+        out.weight[a] = weight;
+    }
+    return out;
+}
+
+}  // namespace rdpm

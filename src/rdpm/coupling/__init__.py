@@ -1,0 +1,1 @@
+"""How fluid, bodies and contacts make one step together."""

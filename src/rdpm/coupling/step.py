@@ -1,0 +1,86 @@
+"""One step of the coupled system, in the order of the algorithm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rdpm.contacts import Contacts, ContactStep
+from rdpm.coupling.mean_flow import MeanFlow
+from rdpm.coupling.timing import Stopwatch
+from rdpm.fluid import Fluid, stages_for
+from rdpm.particles.markers import MarkerSet
+from rdpm.particles.prescribed import Prescription
+from rdpm.particles.rigid_motion import RigidMotion
+from rdpm.particles.state import Bodies
+
+__all__ = ["System", "step"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass
+class System:
+    """Everything one step changes; fluid, markers, motion and mean_flow are None in a dry case."""
+
+    bodies: Bodies
+    contacts: Contacts
+    prescription: Prescription
+    held: Floats                              # (N, 6) force and torque other than contact, held over the sub-steps
+    fluid: Fluid | None = None
+    markers: MarkerSet | None = None
+    motion: RigidMotion | None = None
+    mean_flow: MeanFlow | None = None
+    time: float = 0.0
+    steps: int = 0
+    last_contact: ContactStep | None = None
+    watch: Stopwatch = field(default_factory=Stopwatch)
+
+
+def step(system: System, dt: float) -> None:
+    """Advance the system by dt [s]: bodies, velocity, pressure, contact history and time change together."""
+    bodies, fluid, motion, markers = system.bodies, system.fluid, system.motion, system.markers
+    system.prescription.hold(bodies, system.time, dt)
+    before = np.concatenate([bodies.velocity, bodies.angular_velocity], axis=1)
+    inertia = motion.contact_inertia if motion else (bodies.mass, bodies.moment_of_inertia)
+    contact = system.contacts.advance(system.time, dt, system.held[:, :3], system.held[:, 3:], *inertia)
+    # Positions are those of the new time; velocities are a dry prediction; contact impulses of the step are known.
+    system.prescription.set(bodies, system.time + dt)
+    system.watch.lap("contacts")
+
+    if fluid is not None:
+        if markers is not None and motion is not None:
+            markers.cover(bodies, system.contacts.overlapping(), system.contacts.box.has_wall)
+            markers.place(bodies)
+            # Markers, their stencils and kept forces have moved with the bodies.
+            markers.spread(tuple(fluid.tendency), markers.force, -1.0 / fluid.weights(dt)[1])  # type: ignore[arg-type]
+            # The kept forces are a source of the prediction.
+            system.watch.lap("bodies")
+        force = system.mean_flow.force(dt, motion) if system.mean_flow else (0.0, 0.0, 0.0)
+        fluid.predict(dt, stages_for(dt, fluid.grid.spacing, fluid.viscosity), force)
+        # u, v, w are the new velocity but for the change of forcing and of pressure.
+        system.watch.lap("momentum")
+        if motion is not None:
+            impulse = np.concatenate([contact.impulse, contact.angular_impulse], axis=1)
+            motion.force(dt, before, impulse)
+            # The fluid at the markers moves with the bodies, whose velocities obey Newton and Euler with that forcing.
+            system.watch.lap("bodies")
+        fluid.project(dt)
+        # u is divergence-free and its halos are current.
+        system.watch.lap("poisson")
+        if motion is not None:
+            motion.close()
+            # The inner fluid's momentum is that of the final velocity.
+            after = np.concatenate([bodies.velocity, bodies.angular_velocity], axis=1)
+            answer = np.repeat(np.stack(inertia, axis=1), 3, axis=1)
+            system.held = (answer * (after - before) - impulse) / dt
+            system.watch.lap("bodies")
+
+    system.last_contact = contact
+    system.time += dt
+    system.steps += 1
+    if system.mean_flow:
+        system.mean_flow.advance(dt, force, motion)
+    system.prescription.release(bodies, system.time, system.contacts)

@@ -1,0 +1,94 @@
+"""Bodies whose motion is given, for good or until they are released."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rdpm.particles.state import FREE, PRESCRIBED, Bodies
+
+__all__ = ["Motion", "Prescription"]
+
+Floats = NDArray[np.float64]
+
+
+class Gaps(Protocol):
+    """Whoever knows the smallest surface gap of each body."""
+
+    def gaps(self) -> tuple[Floats, NDArray[np.int64]]:
+        """Gap (N,) [m] and the neighbour's id (N,)."""
+        ...
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Given velocity of one body.
+
+    Parameters
+    ----------
+    times : ndarray, (T,), [s]
+        Rising; one entry for a constant velocity.
+    velocity, rotation : ndarray, (T, 3), [m/s], [rad/s]
+        Linear in between, held beyond the ends.
+    until : float, [s]
+        Free from then on.
+    until_gap : float, [m]
+        Free once the nearest body or wall is this close.
+
+    Examples
+    --------
+    >>> rest = Motion(np.zeros(1), np.zeros((1, 3)), np.zeros((1, 3)))
+    >>> rest.at(1.0)[0]
+    array([0., 0., 0.])
+    """
+
+    times: Floats
+    velocity: Floats
+    rotation: Floats
+    until: float = math.inf
+    until_gap: float = -math.inf
+
+    def at(self, time: float) -> tuple[Floats, Floats]:
+        """Velocity (3,) and angular velocity (3,) at a time."""
+        linear = [np.interp(time, self.times, values) for values in self.velocity.T]
+        angular = [np.interp(time, self.times, values) for values in self.rotation.T]
+        return np.array(linear), np.array(angular)
+
+
+class Prescription:
+    """Applies the given motions and releases bodies.
+
+    Parameters
+    ----------
+    motions : dict of int to Motion
+        By body id; a body that is not in it is free.
+    """
+
+    def __init__(self, motions: dict[int, Motion]) -> None:
+        self.motions = dict(motions)
+
+    def hold(self, bodies: Bodies, time: float, dt: float) -> None:
+        """Give each body its mean velocity over the step, with which its position advances."""
+        for body, motion in self.motions.items():
+            (v0, o0), (v1, o1) = motion.at(time), motion.at(time + dt)
+            bodies.motion[body] = PRESCRIBED
+            bodies.velocity[body], bodies.angular_velocity[body] = 0.5 * (v0 + v1), 0.5 * (o0 + o1)
+
+    def set(self, bodies: Bodies, time: float) -> None:
+        """Give each body its velocity at a time."""
+        for body, motion in self.motions.items():
+            bodies.velocity[body], bodies.angular_velocity[body] = motion.at(time)
+
+    def release(self, bodies: Bodies, time: float, gaps: Gaps) -> None:
+        """Free the bodies whose time or gap has come."""
+        if not self.motions:
+            return
+        need_gap = any(math.isfinite(motion.until_gap) for motion in self.motions.values())
+        gap = gaps.gaps()[0] if need_gap else np.full(len(bodies), math.inf)
+        for body in [b for b, m in self.motions.items() if time >= m.until or gap[b] <= m.until_gap]:
+            del self.motions[body]
+            bodies.motion[body] = FREE

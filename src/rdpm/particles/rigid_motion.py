@@ -1,0 +1,139 @@
+r"""Newton-Euler for bodies in fluid, implicit in what the markers force upon the fluid.
+
+The markers hand the fluid an impulse G; the body gets its reaction and what the fluid inside the body gained:
+
+.. math:: m_p (U' - U) = \Delta P_{in} - G + J + \delta t\, B,
+
+with contact impulse J and weight less buoyancy B. G is linear in the new velocity, G = G_old + m_L (U' - u), with
+m_L the fluid of the marker layer and u its velocity. Of an impulse G on a sphere's surface, two thirds end in the fluid
+inside once the pressure has answered (the outer third is the added mass), so :math:`\Delta P_{in}` is what was measured on the
+grid before forcing plus beta G, beta = 2/3. Then
+
+.. math:: (m_p + (1 - \beta) m_L) U' = m_p U + (1 - \beta) m_L u + \ldots
+
+has only positive terms on the left at any density ratio, and a contact accelerates body and added mass within the same
+step. What beta misses of the inner momentum is measured after projection and enters the next step, so that momentum is
+conserved over time.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rdpm import _core
+from rdpm.fluid.state import Fluid
+from rdpm.particles.markers import MarkerSet
+from rdpm.particles.state import Bodies
+
+__all__ = ["INNER_SHARE", "INNER_SHARE_SPIN", "RigidMotion"]
+
+#: beta for translation: m_f / (m_f + m_f/2), exact for an impulse spread evenly over a sphere.
+INNER_SHARE = 2.0 / 3.0
+
+#: The same for rotation, where no pressure answers: the share of a regularised surface torque that falls inside.
+INNER_SHARE_SPIN = 0.7
+
+Floats = NDArray[np.float64]
+
+
+class RigidMotion:
+    """Solves the bodies' new velocities together with the forcing.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    fluid : Fluid
+    markers : MarkerSet
+    gravity : ndarray, (3,), [m/s^2]
+    passes : int
+        Forcing passes a step.
+
+    Attributes
+    ----------
+    hydrodynamic_force, hydrodynamic_torque : ndarray, (N, 3), [N], [N m]
+        Of the last step on each body, without the hydrostatic part.
+    slip : float, [m/s]
+        Root mean square velocity change that the last forcing pass still made.
+    """
+
+    def __init__(self, bodies: Bodies, fluid: Fluid, markers: MarkerSet, gravity: Floats, passes: int) -> None:
+        self.bodies, self.fluid, self.markers, self.passes = bodies, fluid, markers, passes
+        n = len(bodies)
+        volume = np.pi / 6.0 * bodies.diameter**3
+        self.fluid_mass = fluid.density * volume
+        self.fluid_moment = 0.1 * self.fluid_mass * bodies.diameter**2
+        self.weight = (bodies.mass - self.fluid_mass)[:, None] * gravity
+        self.radius = 0.5 * bodies.diameter
+        self.inner = np.zeros((n, 6))      # momentum and spin of the inner fluid after the last projection
+        self.missed = np.zeros((n, 6))     # inner momentum that beta did not foresee in the last step
+        self.hydrodynamic_force, self.hydrodynamic_torque = np.zeros((n, 3)), np.zeros((n, 3))
+        self.given_force = np.zeros((n, 3))   # on the fluid, over the last step
+        self.slip = 0.0
+        self._share = np.repeat([INNER_SHARE, INNER_SHARE_SPIN], 3)
+        self._inertia = np.repeat(np.stack([bodies.mass, bodies.moment_of_inertia], axis=1), 3, axis=1)
+
+    @property
+    def contact_inertia(self) -> tuple[Floats, Floats]:
+        """Mass and moment (N,), (N,) with which a body answers a contact: its own and the fluid's it takes along.
+
+        The passes are a geometric series: each takes about half of the slip that is left.
+        """
+        volume, moment = self.markers.layer_inertia()
+        taken = self.fluid.density * (2.0 - 2.0 * 0.5**self.passes)
+        return (self.bodies.mass + (1.0 - INNER_SHARE) * taken * volume,
+                self.bodies.moment_of_inertia + (1.0 - INNER_SHARE_SPIN) * taken * moment)
+
+    def kept_force(self) -> Floats:
+        """Sum over all bodies of the kept forces on the fluid, (3,) [N]."""
+        force: Floats = self.fluid.density * (self.markers.volume @ self.markers.force)
+        return force
+
+    def inner_momentum(self) -> Floats:
+        """Momentum and angular momentum of the fluid inside each body, (N, 6) [kg m/s], [kg m^2/s]."""
+        out = np.empty((len(self.bodies), 6))
+        _core.inner_motion(self.fluid.grid.core, *self.fluid.velocity, self.bodies.position, self.radius, out)
+        out[:, :3] *= self.fluid_mass[:, None]
+        out[:, 3:] *= self.fluid_moment[:, None]
+        return out
+
+    def force(self, dt: float, old: Floats, impulse: Floats) -> None:
+        """Change the predicted fluid velocity to no-slip on the bodies, and the free bodies' velocities with it.
+
+        Parameters
+        ----------
+        dt : float, [s]
+        old : ndarray, (N, 6)
+            Velocity and angular velocity at the beginning of the step.
+        impulse : ndarray, (N, 6), [N s], [N m s]
+            Of contacts and lubrication over the step.
+        """
+        bodies, markers, density = self.bodies, self.markers, self.fluid.density
+        free = bodies.is_free[:, None]
+        volume, moment = markers.layer_inertia()
+        layer = density * np.repeat(np.stack([volume, moment], axis=1), 3, axis=1)
+        outer = 1.0 - self._share
+        given = density * dt * markers.sums(markers.force)   # impulse of the kept forces, already in the prediction
+        predicted = self.inner_momentum()
+        known = self._inertia * old + (predicted - self.inner + self.missed) - given + impulse
+        known[:, :3] += dt * self.weight
+        total = np.zeros_like(given)
+        for _ in range(self.passes):
+            at_markers = density * markers.sums(markers.interpolate(self.fluid.velocity))
+            solved = (known + outer * (at_markers - total)) / (self._inertia + outer * layer)
+            np.copyto(bodies.velocity, solved[:, :3], where=free)
+            np.copyto(bodies.angular_velocity, solved[:, 3:], where=free)
+            change = markers.force_rigid(bodies, dt)
+            total += density * markers.sums(change)
+            markers.spread(self.fluid.velocity, change, 1.0)
+        self.slip = float(np.sqrt(np.mean(change**2) * 3.0)) if len(markers) else 0.0
+        markers.keep_force(bodies)
+        self._foreseen = predicted + self._share * total
+        fluid_on_body = (self._foreseen - self.inner + self.missed - given - total) / dt
+        self.hydrodynamic_force, self.hydrodynamic_torque = fluid_on_body[:, :3], fluid_on_body[:, 3:]
+        self.given_force = (given + total)[:, :3] / dt
+
+    def close(self) -> None:
+        """After projection: what the inner fluid really gained."""
+        self.inner = self.inner_momentum()
+        self.missed = self.inner - self._foreseen
