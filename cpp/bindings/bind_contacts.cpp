@@ -1,5 +1,158 @@
+// Contacts: neighbours, sub-steps, the end of a step. Python owns every array; rooms of scratch come from there too.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/tuple.h>
+
+#include <tuple>
+
+#include "check.hpp"
+#include "rdpm/contacts/neighbours.hpp"
+#include "rdpm/contacts/substeps.hpp"
 
 namespace nb = nanobind;
+using rdpm::Array;
+using rdpm::checked;
+namespace contacts = rdpm::contacts;
 
-void bind_contacts(nb::module_&) {}
+namespace {
+
+using Reals = Array<const double>;
+using Ints = Array<std::int32_t>;
+
+// box: rows size, period (0: not periodic); then six rows of wall velocities.
+contacts::Box make_box(const Reals& array) {
+    const double* b = checked(array, "box", {8, 3});
+    contacts::Box box{};
+    for (int d = 0; d < 3; ++d) {
+        box.size[d] = b[d];
+        box.period[d] = b[3 + d];
+        box.inverse_period[d] = b[3 + d] > 0 ? 1 / b[3 + d] : 0;
+    }
+    box.wall_velocity = b + 6;
+    return box;
+}
+
+std::int64_t rows(const Reals& array) {
+    return array.ndim() > 0 ? static_cast<std::int64_t>(array.shape(0)) : 0;
+}
+
+std::int64_t find_pairs(const Reals& box, const Reals& position, const Reals& velocity, const Reals& force,
+                        const Reals& radius, const Reals& inverse_mass, double dt, double margin,
+                        const Ints& cell_start, const Ints& cell_order, const Ints& pairs) {
+    const std::int64_t n = rows(position);
+    const contacts::Box b = make_box(box);
+    const double *x = checked(position, "position", {n, 3}), *v = checked(velocity, "velocity", {n, 3});
+    const double *f = checked(force, "force", {n, 3}), *a = checked(radius, "radius", {n});
+    const double* m = checked(inverse_mass, "inverse_mass", {n});
+    std::int32_t* start = checked(cell_start, "cell_start", {contacts::CellList::most_cells(n) + 1});
+    std::int32_t* order = checked(cell_order, "cell_order", {n});
+    std::int32_t* out = checked(pairs, "pairs", {-1, 2});
+    const auto capacity = static_cast<std::int64_t>(pairs.shape(0));
+    nb::gil_scoped_release unlocked;
+    const double reach = margin + contacts::travel(v, f, m, n, dt);
+    return contacts::find_pairs(b, x, a, m, n, reach, start, order, out, capacity);
+}
+
+void nearest_surfaces(const Reals& box, const Reals& position, const Reals& radius, const Ints& cell_start,
+                      const Ints& cell_order, const Array<double>& gap, const Array<std::int64_t>& neighbour) {
+    const std::int64_t n = rows(position);
+    const contacts::Box b = make_box(box);
+    const double *x = checked(position, "position", {n, 3}), *a = checked(radius, "radius", {n});
+    std::int32_t* start = checked(cell_start, "cell_start", {contacts::CellList::most_cells(n) + 1});
+    std::int32_t* order = checked(cell_order, "cell_order", {n});
+    double* g = checked(gap, "gap", {n});
+    std::int64_t* j = checked(neighbour, "neighbour", {n});
+    nb::gil_scoped_release unlocked;
+    contacts::nearest_surfaces(b, x, a, n, start, order, g, j);
+}
+
+std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substeps(
+    const Reals& box, const Array<double>& position, const Array<double>& velocity,
+    const Array<double>& angular_velocity, const Array<double>& turn, const Reals& kick, const Reals& spin,
+    const Reals& inverse_mass, const Reals& inverse_moment, const Reals& radius, const Array<double>& impulse,
+    const Array<double>& angular_impulse, const Array<double>& contact_impulse, const Array<const std::int32_t>& active,
+    const Array<const std::int32_t>& pairs, const Reals& laws, const Array<double>& states,
+    const Array<double>& finished, double time, double h, double overlap_limit, bool zero_force, std::int64_t first,
+    std::int64_t last) {
+    const auto n = static_cast<std::int64_t>(position.ndim() > 0 ? position.shape(0) : 0);
+    const auto m = static_cast<std::int64_t>(pairs.ndim() > 0 ? pairs.shape(0) : 0);
+    const contacts::Box b = make_box(box);
+    const contacts::BodyArrays bodies{checked(position, "position", {n, 3}),
+                                      checked(velocity, "velocity", {n, 3}),
+                                      checked(angular_velocity, "angular_velocity", {n, 3}),
+                                      checked(turn, "turn", {n, 3}),
+                                      checked(kick, "kick", {n, 3}),
+                                      checked(spin, "spin", {n, 3}),
+                                      checked(inverse_mass, "inverse_mass", {n}),
+                                      checked(inverse_moment, "inverse_moment", {n}),
+                                      checked(radius, "radius", {n}),
+                                      checked(impulse, "impulse", {n, 3}),
+                                      checked(angular_impulse, "angular_impulse", {n, 3}),
+                                      checked(contact_impulse, "contact_impulse", {n, 3})};
+    // The rows are structs of doubles alone, laid out as the columns are.
+    constexpr auto law_columns = static_cast<std::int64_t>(sizeof(contacts::PairLaw) / sizeof(double));
+    constexpr auto state_columns = static_cast<std::int64_t>(sizeof(contacts::PairState) / sizeof(double));
+    constexpr auto finished_columns = static_cast<std::int64_t>(sizeof(contacts::Finished) / sizeof(double));
+    const std::int32_t* ids = checked(active, "active", {-1});
+    const auto actives = static_cast<std::int64_t>(active.shape(0));
+    const std::int32_t* ij = checked(pairs, "pairs", {m, 2});
+    const auto* law = reinterpret_cast<const contacts::PairLaw*>(checked(laws, "laws", {m, law_columns}));
+    auto* state = reinterpret_cast<contacts::PairState*>(checked(states, "states", {m, state_columns}));
+    auto* done = reinterpret_cast<contacts::Finished*>(checked(finished, "finished", {-1, finished_columns}));
+    const contacts::SubstepPlan plan{
+        time, h, overlap_limit, zero_force, first, last, static_cast<std::int64_t>(finished.shape(0))};
+    nb::gil_scoped_release unlocked;
+    const contacts::Progress p = contacts::run_substeps(bodies, b, ids, actives, ij, law, state, m, done, plan);
+    return {p.next, p.finished, p.failed, p.min_gap, p.max_overlap};
+}
+
+void end_step(const Reals& box, const Array<double>& position, const Array<double>& velocity,
+              const Array<double>& angular_velocity, const Array<double>& orientation,
+              const Array<std::int64_t>& crossings, const Array<double>& turn, const Reals& force, const Reals& torque,
+              const Reals& inverse_mass, const Reals& inverse_moment, const Array<const bool>& is_active, double dt) {
+    const auto n = static_cast<std::int64_t>(position.ndim() > 0 ? position.shape(0) : 0);
+    const contacts::Box b = make_box(box);
+    double *x = checked(position, "position", {n, 3}), *v = checked(velocity, "velocity", {n, 3});
+    double *w = checked(angular_velocity, "angular_velocity", {n, 3}), *q = checked(orientation, "orientation", {n, 4});
+    std::int64_t* crossed = checked(crossings, "crossings", {n, 3});
+    double* r = checked(turn, "turn", {n, 3});
+    const double *f = checked(force, "force", {n, 3}), *t = checked(torque, "torque", {n, 3});
+    const double *m = checked(inverse_mass, "inverse_mass", {n}), *i = checked(inverse_moment, "inverse_moment", {n});
+    const bool* moved = checked(is_active, "is_active", {n});
+    nb::gil_scoped_release unlocked;
+    for (std::int64_t k = 0; k < n; ++k) {
+        if (!moved[k])
+            contacts::fly(x + 3 * k, v + 3 * k, w + 3 * k, r + 3 * k, f + 3 * k, t + 3 * k, m[k], i[k], dt);
+        contacts::settle(b, x + 3 * k, q + 4 * k, crossed + 3 * k, r + 3 * k);
+    }
+}
+
+void lubrication_resistance(const Reals& gap, double inverse, double log, double gap_floor, double gap_cut,
+                            const Array<double>& resistance) {
+    const std::int64_t n = rows(gap);
+    const double* g = checked(gap, "gap", {n});
+    double* out = checked(resistance, "resistance", {n});
+    for (std::int64_t k = 0; k < n; ++k)
+        out[k] = contacts::lubrication_resistance(g[k], inverse, log, gap_floor, gap_cut);
+}
+
+}  // namespace
+
+void bind_contacts(nb::module_& module) {
+    module.def("find_pairs", &find_pairs, nb::arg("box"), nb::arg("position"), nb::arg("velocity"), nb::arg("force"),
+               nb::arg("radius"), nb::arg("inverse_mass"), nb::arg("dt"), nb::arg("margin"), nb::arg("cell_start"),
+               nb::arg("cell_order"), nb::arg("pairs"));
+    module.def("nearest_surfaces", &nearest_surfaces, nb::arg("box"), nb::arg("position"), nb::arg("radius"),
+               nb::arg("cell_start"), nb::arg("cell_order"), nb::arg("gap"), nb::arg("neighbour"));
+    module.def("run_substeps", &run_substeps, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
+               nb::arg("angular_velocity"), nb::arg("turn"), nb::arg("kick"), nb::arg("spin"), nb::arg("inverse_mass"),
+               nb::arg("inverse_moment"), nb::arg("radius"), nb::arg("impulse"), nb::arg("angular_impulse"),
+               nb::arg("contact_impulse"), nb::arg("active"), nb::arg("pairs"), nb::arg("laws"), nb::arg("states"),
+               nb::arg("finished"), nb::arg("time"), nb::arg("h"), nb::arg("overlap_limit"), nb::arg("zero_force"),
+               nb::arg("first"), nb::arg("last"));
+    module.def("end_step", &end_step, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
+               nb::arg("angular_velocity"), nb::arg("orientation"), nb::arg("crossings"), nb::arg("turn"),
+               nb::arg("force"), nb::arg("torque"), nb::arg("inverse_mass"), nb::arg("inverse_moment"),
+               nb::arg("is_active"), nb::arg("dt"));
+    module.def("lubrication_resistance", &lubrication_resistance, nb::arg("gap"), nb::arg("inverse"), nb::arg("log"),
+               nb::arg("gap_floor"), nb::arg("gap_cut"), nb::arg("resistance"));
+}

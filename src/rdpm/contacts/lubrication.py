@@ -1,0 +1,103 @@
+"""Normal lubrication between close surfaces: the part of the squeeze film that the grid does not resolve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rdpm import _core
+from rdpm.errors import CaseError
+
+__all__ = ["Lubrication"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Lubrication:
+    r"""Resistance :math:`\lambda(g)-\lambda(g_{cut})` to the normal relative velocity, zero beyond the cut-off.
+
+    :math:`\lambda = 6\pi\mu\,[a_r^2/g + a_i\,g_2(\beta)\ln(1/g)]` with :math:`a_r=a_ia_j/(a_i+a_j)`,
+    :math:`\beta=a_j/a_i` and :math:`g_2=\beta(1+7\beta+\beta^2)/(5(1+\beta)^3)`; a wall is :math:`\beta\to\infty`.
+    Below the roughness the resistance is held. Tangential and rotational films, logarithmic only, are left out.
+
+    Parameters
+    ----------
+    viscosity : float, [Pa s]
+        Dynamic viscosity of the fluid. > 0.
+    cutoff_gap : float, [m]
+        Gap from which on the grid resolves the film: a number of cells times the mean spacing. > 0.
+    roughness : float, [-]
+        Smallest gap as a fraction of the smaller radius, 0 < roughness <= 0.1.
+
+    Raises
+    ------
+    CaseError
+        An argument outside its range.
+
+    References
+    ----------
+    .. [1] Jeffrey, Onishi, J. Fluid Mech. 139 (1984) 261-290, doi:10.1017/S0022112084000355 (X^A, near contact).
+    .. [2] Brenner, Chem. Eng. Sci. 16 (1961) 242-251; Cox, Brenner, Chem. Eng. Sci. 22 (1967) 1753-1777 (wall).
+
+    Examples
+    --------
+    >>> film = Lubrication(viscosity=0.1, cutoff_gap=1e-3)
+    >>> a = 7.5e-3
+    >>> round(film.resistance(np.array([1e-4]), a, np.inf)[0] / (6 * np.pi * 0.1 * a), 2)   # against a wall
+    67.96
+    """
+
+    viscosity: float
+    cutoff_gap: float
+    roughness: float = 1e-3
+
+    def __post_init__(self) -> None:
+        for name, upper in (("viscosity", np.inf), ("cutoff_gap", np.inf), ("roughness", 0.1)):
+            value = getattr(self, name)
+            if not (0.0 < value <= upper and value < np.inf):
+                rule = "must be a finite number above 0" + (f" and at most {upper:g}" if upper < np.inf else "")
+                raise CaseError(f"lubrication.{name}", value, rule, cure="Correct this value.")
+
+    def coefficients(self, radius_i: Floats, radius_j: Floats) -> tuple[Floats, Floats, Floats]:
+        """Coefficients of 1/gap and ln(1/gap), and the smallest gap, of each pair.
+
+        Parameters
+        ----------
+        radius_i, radius_j : ndarray, (M,), [m]
+            > 0; ``radius_j`` infinite for a wall.
+
+        Returns
+        -------
+        inverse : ndarray, (M,), [N s]
+        log : ndarray, (M,), [N s/m]
+        gap_floor : ndarray, (M,), [m]
+        """
+        t = radius_i / (radius_i + radius_j)  # in terms of 1/(1 + beta) the wall is no special case
+        s = np.where(np.isinf(radius_j), 1.0, 1.0 - t)
+        factor = 6.0 * np.pi * self.viscosity
+        inverse = factor * (radius_i * s) ** 2
+        log = factor * radius_i * s * (t * t + 7.0 * t * s + s * s) / 5.0
+        return inverse, log, self.roughness * np.minimum(radius_i, radius_j)
+
+    def resistance(self, gap: Floats, radius_i: float, radius_j: float) -> Floats:
+        """Force per approach speed that is added to what the grid resolves.
+
+        Parameters
+        ----------
+        gap : ndarray, (M,), [m]
+            Distance of the surfaces; negative in contact.
+        radius_i, radius_j : float, [m]
+            > 0; ``radius_j`` infinite for a wall.
+
+        Returns
+        -------
+        ndarray, (M,), [N s/m]
+        """
+        inverse, log, floor = self.coefficients(np.array([radius_i]), np.array([radius_j]))
+        gap = np.ascontiguousarray(gap, dtype=np.float64)
+        result = np.empty_like(gap)
+        _core.lubrication_resistance(gap, inverse[0], log[0], floor[0], self.cutoff_gap, result)
+        return result

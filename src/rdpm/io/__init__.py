@@ -1,0 +1,1 @@
+"""Tables, fields and provenance: what a run writes, and how it is read back."""

@@ -1,0 +1,1 @@
+"""What runs show: phases of a pair, sweeps of parameters."""
