@@ -264,6 +264,11 @@ class Contacts:
             "Stiffen it: lower contact.contact_steps or time.step, or give a higher stiffness.",
         )
 
+    @property
+    def touching(self) -> NDArray[np.int32]:
+        """Pairs in contact at the end of the last step, (K, 2); a negative second id is a wall."""
+        return self._history.pairs
+
     def take_episodes(self) -> NDArray[np.void]:
         """Give the contacts that have finished since the last call, and forget them.
 

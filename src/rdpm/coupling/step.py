@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm.contacts import Contacts, ContactStep
+from rdpm.contacts import Contacts, ContactStep, nearest_gaps
 from rdpm.coupling.mean_flow import MeanFlow
 from rdpm.coupling.timing import Stopwatch
 from rdpm.fluid import Fluid, stages_for
@@ -52,7 +52,7 @@ def step(system: System, dt: float) -> None:
 
     if fluid is not None:
         if markers is not None and motion is not None:
-            markers.cover(bodies, system.contacts.overlapping(), system.contacts.box.has_wall)
+            markers.cover(bodies, system.contacts.touching, system.contacts.box.has_wall)
             markers.place(bodies)
             # Markers, their stencils and kept forces have moved with the bodies.
             markers.spread(tuple(fluid.tendency), markers.force, -1.0 / fluid.weights(dt)[1])  # type: ignore[arg-type]
@@ -83,4 +83,4 @@ def step(system: System, dt: float) -> None:
     system.steps += 1
     if system.mean_flow:
         system.mean_flow.advance(dt, force, motion)
-    system.prescription.release(bodies, system.time, system.contacts)
+    system.prescription.release(bodies, system.time, lambda: nearest_gaps(bodies, system.contacts.box)[0])

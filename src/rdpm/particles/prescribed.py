@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,14 +14,6 @@ from rdpm.particles.state import FREE, PRESCRIBED, Bodies
 __all__ = ["Motion", "Prescription"]
 
 Floats = NDArray[np.float64]
-
-
-class Gaps(Protocol):
-    """Whoever knows the smallest surface gap of each body."""
-
-    def gaps(self) -> tuple[Floats, NDArray[np.int64]]:
-        """Gap (N,) [m] and the neighbour's id (N,)."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -83,12 +75,15 @@ class Prescription:
         for body, motion in self.motions.items():
             bodies.velocity[body], bodies.angular_velocity[body] = motion.at(time)
 
-    def release(self, bodies: Bodies, time: float, gaps: Gaps) -> None:
-        """Free the bodies whose time or gap has come."""
+    def release(self, bodies: Bodies, time: float, gaps: Callable[[], Floats]) -> None:
+        """Free the bodies whose time has come, or whose surface is as close to the next as asked.
+
+        `gaps` gives the smallest surface gap of each body, (N,) [m]; it is called only where some body waits for one.
+        """
         if not self.motions:
             return
         need_gap = any(math.isfinite(motion.until_gap) for motion in self.motions.values())
-        gap = gaps.gaps()[0] if need_gap else np.full(len(bodies), math.inf)
+        gap = gaps() if need_gap else np.full(len(bodies), math.inf)
         for body in [b for b, m in self.motions.items() if time >= m.until or gap[b] <= m.until_gap]:
             del self.motions[body]
             bodies.motion[body] = FREE
