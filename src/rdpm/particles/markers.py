@@ -14,7 +14,7 @@ __all__ = ["RETRACTION", "MarkerSet"]
 
 #: Markers sit this many cells inside the surface, because the regularised delta spreads their force outwards;
 #: fitted on the drag of dilute simple-cubic arrays.
-RETRACTION = 0.3
+RETRACTION = 0.39
 
 Floats = NDArray[np.float64]
 
