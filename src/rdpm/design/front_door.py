@@ -180,7 +180,9 @@ def soft_sphere(
         t_c if t_c is not None else _finite(dimensionless_contact_time(zeta, ending), math.sqrt(m / k_n))
     )
     steps, step = contact_steps, time_step
-    if duration is not None:
+    if duration is None:
+        steps = None  # a contact that never ends has no steps
+    else:
         steps = duration / step if steps is None and step is not None else steps
         step = duration / steps if step is None and steps is not None else step
     overlap = None if impact.speed is None else float(peak_overlap(m, k_n, eta_n, impact.speed))

@@ -54,8 +54,8 @@ def solve_contact(known: Known, ending: Ending = "zero-force") -> tuple[float, f
     ----------
     known : Known
         Mass [kg] and two of stiffness [N/m], damping [N s/m], restitution [-], contact_time [s],
-        overlap_time [s] (peak overlap over impact speed); or, without the mass, three of stiffness, damping, restitution and
-        contact_time with restitution among them. Quantities > 0; damping may be 0, restitution is in (0, 1].
+        overlap_time [s] (peak overlap over impact speed); or, without the mass, restitution with two
+        of stiffness, damping and contact_time. Quantities > 0; damping may be 0, restitution is in (0, 1].
     ending : {"zero-force", "zero-overlap"}
         When the contact is over.
 

@@ -93,7 +93,7 @@ def verdict_list(
           "at least: with fewer the fluid sees the rebound as a jump",
           "van der Hoef et al., Adv. Chem. Eng. 31 (2006) 65: not too few")  # fmt: skip
     judge("max_overlap", max_overlap, overlap_limit, True,
-          "at most, of the smaller diameter at the impact speed: more distorts the flow", _MUSONG)  # fmt: skip
+          "at most, of the smaller diameter at the impact speed: more spoils the flow", _MUSONG)  # fmt: skip
     judge("static_overlap", static_overlap, overlap_limit, True,
           "at most, of the smaller diameter under the submerged weight: a resting sphere sinks in",
           f"{_MUSONG}, its 0.5 % applied to rest")  # fmt: skip
@@ -146,7 +146,7 @@ def advise(
     if longest is None:
         text = "Give a diameter and an impact speed (or a fluid): nothing bounds the overlap yet."
     elif shortest is not None and shortest > longest:
-        text = f"No contact keeps to all limits: a real one lasts {shortest:.3g} s, overlap allows {longest:.3g} s."
+        text = f"No contact keeps to all limits: Hertz asks {shortest:.3g} s, overlap allows {longest:.3g} s."
     elif time_step is None:
         text = f"Time steps up to {at_most:.3g} s keep to all limits at {least} contact steps."
     else:
