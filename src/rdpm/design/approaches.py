@@ -1,4 +1,4 @@
-"""The three ways to choose a contact: graphical, trial and error, and by contact steps. Each gives a table."""
+"""Three ways to choose a contact: graphical, trial and error, contact steps; each gives a table."""
 
 from __future__ import annotations
 
@@ -108,8 +108,8 @@ def graphical(
 
     References
     ----------
-    .. [1] Musong, Feng, Michaelides, NETL Multiphase Flow Conf. (2012), after Mullier et al., Powder Technol. 65
-       (1991) 61-74.
+    .. [1] Musong, Feng, Michaelides, NETL Multiphase Flow Conf. (2012).
+    .. [2] Mullier et al., Powder Technol. 65 (1991) 61-74, for measured stiffness.
 
     Examples
     --------
@@ -227,8 +227,8 @@ def by_contact_steps(
 
     References
     ----------
-    .. [1] Musong, Feng, Michaelides, NETL Multiphase Flow Conf. (2012); van der Hoef et al., Adv. Chem. Eng. 31
-       (2006) 65-149, doi:10.1016/S0065-2377(06)31002-2.
+    .. [1] Musong, Feng, Michaelides, NETL Multiphase Flow Conf. (2012).
+    .. [2] van der Hoef et al., Adv. Chem. Eng. 31 (2006) 65-149, doi:10.1016/S0065-2377(06)31002-2.
 
     Examples
     --------
