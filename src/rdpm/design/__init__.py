@@ -1,4 +1,88 @@
 """Design of collision parameters: from what a user knows to stiffness, damping, contact steps, with reasons.
 
-Pure functions in SI units; nothing here runs a simulation. See docs/theory/soft_sphere.md.
+Pure functions in SI units; nothing here runs a simulation. Theory: docs/theory/soft_sphere.md.
 """
+
+from __future__ import annotations
+
+from rdpm.design import front_door
+from rdpm.design.dimensionless import (
+    reduced_mass,
+    sphere_mass,
+    stokes_number,
+    terminal_velocity,
+    wet_restitution,
+)
+from rdpm.design.hertz import (
+    effective_modulus,
+    hertz_contact_time,
+    hertz_overlap,
+    rayleigh_time,
+    reduced_radius,
+)
+from rdpm.design.integrators import produced_restitution
+from rdpm.design.overlap import (
+    contact_steps_for_stiffness,
+    impact_speed_for_overlap,
+    largest_contact_time,
+    largest_time_step,
+    softest_stiffness,
+    static_overlap,
+    submerged_weight,
+)
+from rdpm.design.result import Design, Verdict
+from rdpm.design.soft_sphere import (
+    contact_parameters,
+    contact_time,
+    damping_from_stiffness,
+    damping_ratio,
+    dimensionless_contact_time,
+    obtained_restitution,
+    peak_overlap,
+    ratio_from_poisson,
+    restitution,
+    stiffness_from_overlap,
+    tangential_parameters,
+    tangential_restitution,
+)
+from rdpm.design.tangential import sliding_ratio
+
+# the submodule of this name stays importable: `from rdpm.design.soft_sphere import contact_parameters`
+soft_sphere = front_door.soft_sphere
+
+__all__ = [
+    "Design",
+    "Verdict",
+    "contact_parameters",
+    "contact_steps_for_stiffness",
+    "contact_time",
+    "damping_from_stiffness",
+    "damping_ratio",
+    "dimensionless_contact_time",
+    "effective_modulus",
+    "hertz_contact_time",
+    "hertz_overlap",
+    "impact_speed_for_overlap",
+    "largest_contact_time",
+    "largest_time_step",
+    "obtained_restitution",
+    "peak_overlap",
+    "produced_restitution",
+    "ratio_from_poisson",
+    "rayleigh_time",
+    "reduced_mass",
+    "reduced_radius",
+    "restitution",
+    "sliding_ratio",
+    "soft_sphere",
+    "softest_stiffness",
+    "sphere_mass",
+    "static_overlap",
+    "stiffness_from_overlap",
+    "stokes_number",
+    "submerged_weight",
+    "tangential_parameters",
+    "tangential_restitution",
+    "terminal_velocity",
+    "wet_restitution",
+]

@@ -39,6 +39,7 @@ __all__ = [
     "tangential_restitution",
 ]
 
+
 def contact_parameters(
     reduced_mass: Values, restitution: Values, contact_time: Values, ending: Ending = "zero-force"
 ) -> tuple[Values, Values]:

@@ -122,7 +122,8 @@ def tangential_restitution(damping_ratio: Values, ratio: Values, ending: Ending 
     """
     check_ending(ending)
     zeta = np.asarray(damping_ratio, dtype=np.float64)
-    tau = np.sqrt(not_negative("ratio", ratio) / SPHERE_FACTOR) * np.asarray(dimensionless_contact_time(zeta, ending))
+    stretch = np.sqrt(not_negative("ratio", ratio) / SPHERE_FACTOR)
+    tau = stretch * np.asarray(dimensionless_contact_time(zeta, ending))
     w = np.sqrt(np.abs((1.0 - zeta) * (1.0 + zeta)))
     with np.errstate(invalid="ignore", over="ignore"):
         # sin(w tau)/w and its hyperbolic twin tend to tau at critical damping

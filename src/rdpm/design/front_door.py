@@ -1,0 +1,319 @@
+"""One call from what a user knows to a judged design."""
+
+from __future__ import annotations
+
+import math
+
+from rdpm.design._checks import Ending, check_ending, positive
+from rdpm.design.bodies import Impact, Pair, read_impact, read_pair
+from rdpm.design.dimensionless import stokes_number, wet_restitution
+from rdpm.design.hertz import effective_modulus, hertz_contact_time, rayleigh_time
+from rdpm.design.integrators import INTEGRATORS, produced_restitution
+from rdpm.design.oscillator import dimensionless_contact_time, peak_overlap_factor
+from rdpm.design.oscillator import restitution as restitution_of
+from rdpm.design.overlap import softest_stiffness
+from rdpm.design.result import Advice, Design, Prediction, Tangential
+from rdpm.design.soft_sphere import peak_overlap
+from rdpm.design.solve import Known, solve_contact
+from rdpm.design.tangential import (
+    ratio_from_poisson,
+    sliding_ratio,
+    tangential_parameters,
+    tangential_restitution,
+)
+from rdpm.design.verdicts import advise, regime_of, verdict_list
+from rdpm.errors import CaseError
+
+__all__ = ["soft_sphere"]
+
+_PREDICTED_UP_TO = 500.0  # contact steps; beyond, all but explicit Euler are within 0.2 %
+
+
+def _contact_time(
+    contact_time: float | None, contact_steps: float | None, time_step: float | None
+) -> float | None:
+    """Give the contact time that is fixed by the caller, if any."""
+    for name, value in (
+        ("contact_time", contact_time),
+        ("contact_steps", contact_steps),
+        ("time_step", time_step),
+    ):
+        if value is not None:
+            positive(name, value)
+    if contact_steps is None or time_step is None:
+        return contact_time
+    if contact_time is not None:
+        rule = "cannot go with both contact_steps and time_step"
+        raise CaseError("contact_time", f"{contact_time:g}", rule, "it is their product", "Take one away.")
+    return contact_steps * time_step
+
+
+def _need(value: float | None, name: str, why: str) -> float:
+    """Refuse a quantity that something else given depends on."""
+    if value is None:
+        raise CaseError(name, None, "must be given", why, f"Add {name}.")
+    return float(value)
+
+
+def soft_sphere(
+    *,
+    mass: float | None = None,
+    diameter: float | None = None,
+    density: float | None = None,
+    diameter2: float | None = None,
+    density2: float | None = None,
+    wall: bool = False,
+    stiffness: float | None = None,
+    damping: float | None = None,
+    restitution: float | None = None,
+    contact_time: float | None = None,
+    contact_steps: float | None = None,
+    time_step: float | None = None,
+    max_overlap: float | None = None,
+    static_overlap: float | None = None,
+    impact_speed: float | None = None,
+    youngs_modulus: float | None = None,
+    poisson_ratio: float | None = None,
+    fluid_density: float | None = None,
+    viscosity: float | None = None,
+    gravity: float = 9.81,
+    tangential_ratio: float | None = None,
+    friction: float | None = None,
+    overlap_limit: float = 0.005,
+    ending: Ending = "zero-force",
+) -> Design:
+    r"""Design a linear soft-sphere contact from any sufficient set of what is known, and judge it.
+
+    Parameters
+    ----------
+    mass : float, [kg], optional
+        Reduced mass > 0; or ``diameter`` with ``density``. Left out, it follows where three of stiffness,
+        damping, restitution and contact time are given.
+    diameter, diameter2 : float, [m], optional
+        > 0; equal spheres unless ``diameter2`` or ``wall`` is given.
+    density, density2 : float, [kg/m^3], optional
+        > 0; ``density2`` defaults to ``density``.
+    wall : bool
+        The partner is a wall, or a body held fixed.
+    stiffness : float, [N/m], optional
+        > 0.
+    damping : float, [N s/m], optional
+        >= 0.
+    restitution : float, [-], optional
+        0 < e_n <= 1; 0 at zero overlap with a stiffness.
+    contact_time : float, [s], optional
+        > 0; ``contact_steps`` with ``time_step`` say the same.
+    contact_steps : float, [-], optional
+        > 0.
+    time_step : float, [s], optional
+        > 0.
+    max_overlap : float, [-], optional
+        Peak overlap as a fraction of the smaller diameter, reached at ``impact_speed``. > 0.
+    static_overlap : float, [-], optional
+        Overlap under the submerged weight as a fraction of the smaller diameter: gives the stiffness. > 0.
+    impact_speed : float, [m/s], optional
+        > 0; default the terminal velocity, where the fluid is known.
+    youngs_modulus : float, [Pa], optional
+        > 0, with ``poisson_ratio``: the lower limits of Hertz and Rayleigh. Where nothing else fixes how
+        stiff the contact is, the contact time is Hertz's.
+    poisson_ratio : float, [-], optional
+        -1 < sigma <= 0.5; gives ``tangential_ratio`` too.
+    fluid_density : float, [kg/m^3], optional
+        > 0.
+    viscosity : float, [Pa s], optional
+        Dynamic, > 0.
+    gravity : float, [m/s^2]
+        >= 0.
+    tangential_ratio : float, [-], optional
+        :math:`k_t/k_n` >= 0; default 2/7.
+    friction : float, [-], optional
+        Coulomb's coefficient >= 0.
+    overlap_limit : float, [-]
+        Bound of the overlap verdicts, a fraction of the smaller diameter; ``max_overlap`` overrides it.
+    ending : {"zero-force", "zero-overlap"}
+        When the contact is over.
+
+    Returns
+    -------
+    Design
+
+    Raises
+    ------
+    CaseError
+        A quantity outside its range; too little, too much or contradictory input, the message naming it.
+
+    Notes
+    -----
+    One impact along the line of centres, dry; the fluid enters Stokes number and wet restitution only.
+
+    References
+    ----------
+    .. [1] Hoomans et al., Chem. Eng. Sci. 51 (1996) 99-118.
+    .. [2] Schwager, Poeschel, Granular Matter 9 (2007) 465-469, doi:10.1007/s10035-007-0065-z.
+
+    Examples
+    --------
+    >>> d = soft_sphere(diameter=0.015, density=1120.0, restitution=0.5, contact_steps=8, time_step=1e-3,
+    ...                 impact_speed=0.05, ending="zero-overlap")
+    >>> round(d.stiffness_N_m, 2), round(d.damping_N_s_m, 4), d.advice.best_contact_steps
+    (160.04, 0.1715, 6)
+    """
+    check_ending(ending)
+    pair = read_pair(mass, diameter, density, diameter2, density2, wall)
+    impact = read_impact(pair, impact_speed, fluid_density, viscosity, gravity)
+    t_c = _contact_time(contact_time, contact_steps, time_step)
+    limit = float(positive("overlap_limit", overlap_limit if max_overlap is None else max_overlap))
+    overlap_time = None
+    if max_overlap is not None:
+        speed = _need(impact.speed, "impact_speed", "an overlap is reached at a speed")
+        overlap_time = max_overlap * _need(pair.diameter, "diameter", "an overlap is a part of it") / speed
+    if static_overlap is not None:
+        stiffness = _static_stiffness(stiffness, static_overlap, pair, impact)
+    hertz, rayleigh = _material_times(pair, impact, youngs_modulus, poisson_ratio)
+    known = Known(pair.mass, stiffness, damping, restitution, t_c, overlap_time)
+    if hertz is not None and t_c is None and sum(q is not None for q in known[1:]) == 1:
+        t_c, known = hertz, known._replace(contact_time=hertz)
+    m, k_n, eta_n = solve_contact(known, ending)
+    zeta = 0.5 * eta_n / math.sqrt(m * k_n)
+    e = _restitution(restitution, zeta, ending)
+    duration = (
+        t_c if t_c is not None else _finite(dimensionless_contact_time(zeta, ending), math.sqrt(m / k_n))
+    )
+    steps, step = contact_steps, time_step
+    if duration is None:
+        steps = None  # a contact that never ends has no steps
+    else:
+        steps = duration / step if steps is None and step is not None else steps
+        step = duration / steps if step is None and steps is not None else step
+    overlap = None if impact.speed is None else float(peak_overlap(m, k_n, eta_n, impact.speed))
+    d, weight = pair.diameter, impact.weight
+    overlap_fraction = None if overlap is None or d is None else overlap / d
+    sink = None if weight is None or d is None else weight / k_n / d
+    stokes, wet = _wet(m, pair, impact, e, fluid_density, viscosity)
+    return Design(
+        stiffness_N_m=k_n, damping_N_s_m=eta_n, restitution=e, contact_time_s=duration, contact_steps=steps,
+        damping_ratio=zeta, regime=regime_of(zeta), ending=ending, reduced_mass_kg=m, diameter_m=d,
+        time_step_s=step, impact_speed_m_s=impact.speed, impact_speed_source=impact.source,
+        max_overlap_m=overlap, max_overlap_fraction=overlap_fraction, static_overlap_fraction=sink,
+        hertz_contact_time_s=hertz, rayleigh_time_s=rayleigh,
+        terminal_velocity_m_s=impact.terminal_velocity, terminal_reynolds_number=impact.terminal_reynolds,
+        stokes_number=stokes, wet_restitution=wet,
+        tangential=_tangential(k_n, eta_n, zeta, e, ending, tangential_ratio, poisson_ratio, friction),
+        predictions=_predictions(e, steps, ending),
+        verdicts=verdict_list(
+            damping_ratio=zeta, ending=ending, contact_time=duration, contact_steps=steps,
+            max_overlap=overlap_fraction, static_overlap=sink, overlap_limit=limit,
+            hertz_time=hertz, rayleigh_time=rayleigh, stokes_number=stokes,
+        ),
+        advice=_advice(m, zeta, ending, limit, pair, impact, (hertz, rayleigh), steps, step),
+    )  # fmt: skip
+
+
+def _finite(number: float, unit: float) -> float | None:
+    """Give a product, None where it is infinite."""
+    return float(number) * unit if math.isfinite(number) else None
+
+
+def _restitution(given: float | None, zeta: float, ending: Ending) -> float | None:
+    """Give the restitution; None where spheres never part, at zero overlap past critical damping."""
+    if given is not None:
+        return float(given)
+    undefined = ending == "zero-overlap" and regime_of(zeta) == "overdamped"
+    return None if undefined else float(restitution_of(zeta, ending))
+
+
+def _static_stiffness(stiffness: float | None, fraction: float, pair: Pair, impact: Impact) -> float:
+    """Give the spring that a resting sphere sinks into by a fraction of the smaller diameter."""
+    if stiffness is not None:
+        rule, why = "cannot go with stiffness", "each gives the other"
+        raise CaseError("static_overlap", f"{fraction:g}", rule, why, "Take one away.")
+    weight = _need(impact.weight, "density", "a static overlap needs a weight")
+    if not weight > 0.0:
+        rule, why = "needs a submerged weight above 0", "nothing presses the spheres together"
+        raise CaseError("static_overlap", f"{fraction:g}", rule, why, "Give the stiffness.")
+    d = _need(pair.diameter, "diameter", "an overlap is a part of it")
+    return float(softest_stiffness(weight, positive("static_overlap", fraction) * d))
+
+
+def _material_times(
+    pair: Pair, impact: Impact, youngs_modulus: float | None, poisson_ratio: float | None
+) -> tuple[float | None, float | None]:
+    """Give the Hertz contact time and the Rayleigh time of the quicker sphere, None where not known."""
+    if youngs_modulus is None:
+        return None, None
+    sigma = _need(poisson_ratio, "poisson_ratio", "youngs_modulus alone does not say how stiff a contact is")
+    modulus = effective_modulus(youngs_modulus, sigma)
+    waves = [float(rayleigh_time(0.5 * d, rho, youngs_modulus, sigma)) for d, rho in pair.spheres]
+    hertz = None
+    if pair.mass is not None and pair.radius is not None and impact.speed is not None:
+        hertz = float(hertz_contact_time(pair.mass, pair.radius, modulus, impact.speed))
+    return hertz, min(waves, default=None)
+
+
+def _wet(
+    m: float,
+    pair: Pair,
+    impact: Impact,
+    e: float | None,
+    fluid_density: float | None,
+    viscosity: float | None,
+) -> tuple[float | None, float | None]:
+    """Give the Stokes number and Legendre's wet restitution."""
+    if viscosity is None or impact.speed is None or pair.radius is None:
+        return None, None
+    stokes = float(stokes_number(m, pair.radius, impact.speed, viscosity))
+    if e is None or fluid_density is None or not pair.spheres:
+        return stokes, None
+    return stokes, float(wet_restitution(e, stokes, pair.spheres[0][1] / fluid_density))
+
+
+def _tangential(
+    k_n: float,
+    eta_n: float,
+    zeta: float,
+    e: float | None,
+    ending: Ending,
+    ratio: float | None,
+    poisson_ratio: float | None,
+    friction: float | None,
+) -> Tangential:
+    """Give the tangential spring; its stiffness ratio is given, Mindlin's, or 2/7 (equal periods)."""
+    if ratio is None:
+        ratio = 2.0 / 7.0 if poisson_ratio is None else float(ratio_from_poisson(poisson_ratio))
+    k_t, eta_t = tangential_parameters(k_n, eta_n, ratio)
+    e_t = float(tangential_restitution(zeta, ratio, ending))
+    slides = None
+    if friction is not None and e is not None and e_t > -1.0:
+        slides = float(sliding_ratio(friction, e, e_t))
+    return Tangential(ratio, k_t, eta_t, e_t if math.isfinite(e_t) else None, friction, slides)
+
+
+def _predictions(e: float | None, steps: float | None, ending: Ending) -> tuple[Prediction, ...]:
+    """Say what each integrator makes of the design; empty where there are no steps to speak of."""
+    if not e or steps is None or not 1.0 < steps <= _PREDICTED_UP_TO:
+        return ()
+    return tuple(Prediction(name, *produced_restitution(e, steps, name, ending)) for name in INTEGRATORS)
+
+
+def _advice(
+    m: float,
+    zeta: float,
+    ending: Ending,
+    limit: float,
+    pair: Pair,
+    impact: Impact,
+    material: tuple[float | None, float | None],
+    steps: float | None,
+    step: float | None,
+) -> Advice:
+    """Bound the contact time at this damping ratio from both sides."""
+    tau = float(dimensionless_contact_time(zeta, ending))
+    bounds = []
+    if pair.diameter is not None and math.isfinite(tau):
+        overlap = limit * pair.diameter
+        if impact.speed is not None:
+            bounds.append(tau * overlap / impact.speed / float(peak_overlap_factor(zeta)))
+        if impact.weight:
+            bounds.append(tau * math.sqrt(m / float(softest_stiffness(impact.weight, overlap))))
+    shortest = max((t for t in material if t is not None), default=None)
+    return advise(shortest=shortest, longest=min(bounds, default=None), time_step=step, contact_steps=steps)
