@@ -1,0 +1,125 @@
+"""A simulation: a coupled system, its time step, and those who want to know."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+
+from rdpm.coupling.step import System, step
+from rdpm.fluid import Fluid
+from rdpm.particles.state import Bodies
+from rdpm.simulation.guards import check_divergence, check_step
+
+__all__ = ["Simulation"]
+
+#: Steps between two checks of the divergence, which read the whole velocity once more.
+DIVERGENCE_EVERY = 100
+
+Progress = Callable[[int, float, float], None]
+
+
+class Simulation:
+    """Advances a coupled system and calls back.
+
+    Parameters
+    ----------
+    system : System
+    dt : float, [s]
+        > 0.
+
+    Attributes
+    ----------
+    bodies : Bodies
+        ``position``, ``velocity`` ... are the arrays the kernels work on.
+    fluid : Fluid or None
+        ``u``, ``v``, ``w``, ``p`` likewise.
+    """
+
+    def __init__(self, system: System, dt: float) -> None:
+        self.system, self.dt = system, dt
+        self.wall_seconds = 0.0
+        self.max_divergence = 0.0
+        self._callbacks: list[tuple[int, Callable[[Simulation], None]]] = []
+
+    @property
+    def bodies(self) -> Bodies:
+        """State of the bodies."""
+        return self.system.bodies
+
+    @property
+    def fluid(self) -> Fluid | None:
+        """State of the fluid; None in a dry case."""
+        return self.system.fluid
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.system.time
+
+    @property
+    def steps(self) -> int:
+        """Steps done."""
+        return self.system.steps
+
+    def on_step(self, callback: Callable[[Simulation], None], every: int = 1) -> None:
+        """Call `callback` with this simulation after every so many steps.
+
+        Parameters
+        ----------
+        callback : callable
+        every : int
+            >= 1.
+        """
+        if every < 1:
+            raise ValueError(f"every = {every}: must be at least 1")
+        self._callbacks.append((every, callback))
+
+    def advance(self) -> None:
+        """Make one step, check it, and call back.
+
+        Raises
+        ------
+        GuardError
+            The step's numbers cannot be trusted.
+        """
+        begin = clock.perf_counter()
+        self.system.watch.start()
+        step(self.system, self.dt)
+        check_step(self.system, self.dt)
+        if self.steps % DIVERGENCE_EVERY == 0:
+            self.check_divergence()
+        self.wall_seconds += clock.perf_counter() - begin
+        for every, callback in self._callbacks:
+            if self.steps % every == 0:
+                callback(self)
+
+    def check_divergence(self) -> float:
+        """Largest divergence now [1/s]; remembered over the run."""
+        divergence = check_divergence(self.system)
+        self.max_divergence = max(self.max_divergence, divergence)
+        return divergence
+
+    def run(self, until: float, progress: bool | Progress = False) -> None:
+        """Make steps until the time is reached; the last one ends at it or, with a given time step, just after.
+
+        Parameters
+        ----------
+        until : float, [s]
+        progress : bool or callable
+            True shows a bar; a callable gets step, time and `until` after each step.
+
+        Raises
+        ------
+        GuardError
+            The run was stopped; the state is that of the failed step.
+        """
+        if progress is True:
+            from rdpm.simulation.progress import bar
+
+            with bar(until) as tell:
+                self.run(until, tell)
+            return
+        while self.time < until - 1e-6 * self.dt:
+            self.advance()
+            if progress:
+                progress(self.steps, self.time, until)
