@@ -8,7 +8,7 @@ from typing import Any
 __version__ = "0.1.0"
 __all__ = ["Simulation", "design", "load_case"]
 
-_HOME = {"Simulation": "rdpm.setup", "load_case": "rdpm.config.load"}
+_HOME = {"Simulation": "rdpm.setup.build", "load_case": "rdpm.config.load"}
 
 
 def __getattr__(name: str) -> Any:

@@ -98,6 +98,10 @@ class RigidMotion:
         out[:, 3:] *= self.fluid_moment[:, None]
         return out
 
+    def begin(self) -> None:
+        """Measure the inner fluid at the start of a run."""
+        self.inner = self.inner_momentum()
+
     def force(self, dt: float, old: Floats, impulse: Floats) -> None:
         """Change the predicted fluid velocity to no-slip on the bodies, and the free bodies' velocities with it.
 

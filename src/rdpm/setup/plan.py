@@ -1,0 +1,277 @@
+"""What a case implies: grid, time step, contact, memory, time; refused before anything is written where it cannot run."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from rdpm import design
+from rdpm.config.case import Case
+from rdpm.contacts import SoftSphere
+from rdpm.errors import CaseError
+from rdpm.fluid.timestep import Choice, advective_limit, choose_step
+from rdpm.grid.grid import choose_cells
+from rdpm.particles.seeding import marker_count
+from rdpm.setup.scales import Scales, available_memory, memory_needed, scales
+
+__all__ = ["PairKind", "Plan", "PlanRow", "plan"]
+
+#: Least steps in a contact: below, a rebound is not resolved.
+LEAST_CONTACT_STEPS = 4
+
+#: Dry overlap at the bodies' own speed, of the diameter, that an automatic step may lead to; wet kisses stay far below.
+AUTO_OVERLAP = 0.025
+
+#: Nanoseconds a cell and step on one thread, for the estimate of a run's time.
+EXPECTED_NS = 20.0
+
+Verdict = Literal["", "ok", "warning"]
+
+
+@dataclass(frozen=True)
+class PlanRow:
+    """One line of what a case implies."""
+
+    name: str
+    value: str
+    verdict: Verdict = ""
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class PairKind:
+    """A kind of pair and the contact it will have.
+
+    Parameters
+    ----------
+    kind : str
+        "sphere-sphere" or "sphere-wall", with the groups where there are several.
+    design : Design
+        The numbers, from the one module that computes them.
+    """
+
+    kind: str
+    design: design.Design
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All that follows from a case before the first step.
+
+    Attributes
+    ----------
+    cells : tuple of int or None
+    step : Choice
+    law : SoftSphere
+    pairs : list of PairKind
+    scales : Scales
+    memory : int, [bytes]
+    steps : int
+    sections : list of (str, list of PlanRow)
+        The same for a reader.
+    warnings : list of str
+    """
+
+    case: Case
+    cells: tuple[int, int, int] | None
+    step: Choice
+    law: SoftSphere
+    pairs: list[PairKind]
+    scales: Scales
+    memory: int
+    steps: int
+    sections: list[tuple[str, list[PlanRow]]]
+
+    @property
+    def warnings(self) -> list[str]:
+        """Rows with a warning, as sentences."""
+        return [f"{row.name} = {row.value}: {row.note}" for _, rows in self.sections for row in rows
+                if row.verdict == "warning"]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers for machines."""
+        return {
+            "cells": list(self.cells) if self.cells else None,
+            "dt_s": self.step.dt, "dt_limit": self.step.limit,
+            "dt_limits_s": {k: v if math.isfinite(v) else None for k, v in self.step.limits.items()},
+            "diffusion": "explicit" if self.step.is_explicit else "stabilised", "stages": self.step.stages,
+            "steps": self.steps, "memory_bytes": self.memory,
+            "terminal_velocity_m_s": float(self.scales.terminal.max(initial=0.0)),
+            "pairs": [{"kind": p.kind, **p.design.to_dict()} for p in self.pairs],
+            "sections": {title: [vars(row) for row in rows] for title, rows in self.sections},
+        }
+
+
+def plan(case: Case) -> Plan:
+    """Work out what a case implies.
+
+    Parameters
+    ----------
+    case : Case
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    CaseError
+        The grid does not fit the memory, or the time step asked is above its limit.
+
+    Examples
+    --------
+    >>> from rdpm.config.load import load_case
+    >>> plan(load_case("dkt")).cells
+    (54, 54, 270)
+    """
+    found = scales(case)
+    cells = _cells(case)
+    spacing = tuple(length / n for length, n in zip(case.domain.size, cells, strict=True)) if cells else None
+    step = _time_step(case, spacing, found)
+    law = _law(case, step.dt)
+    bodies = case.expanded_bodies()
+    h = float(np.cbrt(np.prod(spacing))) if spacing else math.inf
+    markers = sum(marker_count(0.5 * d, h) for d in bodies.diameter) if cells else 0
+    memory = memory_needed(cells, step.is_explicit, markers) if cells else 0
+    _check_memory(case, cells, memory)
+    pairs = _pairs(case, law, step.dt, found)
+    steps = max(1, math.ceil(case.time.end / step.dt - 1e-6))
+    from rdpm.setup.rows import sections   # the wording, beside the numbers
+
+    return Plan(case, cells, step, law, pairs, found, memory, steps,
+                sections(case, cells, spacing, step, pairs, found, memory, steps, markers))
+
+
+def _cells(case: Case) -> tuple[int, int, int] | None:
+    if case.fluid is None or case.resolution is None:
+        return None
+    if case.resolution.cells is not None:
+        return case.resolution.cells
+    h = float(case.expanded_bodies().diameter.min()) / float(case.resolution.cells_per_diameter or 0.0)
+    x, y, z = (choose_cells(length, h) for length in case.domain.size)
+    return x, y, z
+
+
+def _time_step(case: Case, spacing: tuple[float, ...] | None, found: Scales) -> Choice:
+    contact = _contact_limit(case, found)
+    asked = case.time.step
+    if spacing is None or case.fluid is None:
+        if asked == "auto":
+            dt, limit = contact, "contact"
+        elif asked > contact:
+            # As promised of a stiffness given literally: the step is lowered, and the reason is said.
+            dt, limit = contact, "contact"
+        else:
+            dt, limit = float(asked), "user"
+        return Choice(_to_end(case.time.end, dt) if asked == "auto" else dt, limit, True, 0, {"contact": contact})
+    x, y, z = spacing
+    h = (x, y, z)
+    limits = {"advective": advective_limit(h, found.speed, case.time.cfl), "contact": contact, "output": case.time.end}
+    if asked == "auto":
+        choice = choose_step(h, case.fluid.nu, case.time.diffusion, limits)
+        dt = _to_end(case.time.end, choice.dt)
+        return Choice(dt, choice.limit, choice.is_explicit, choice.stages, choice.limits)
+    literal = case.contact.stiffness is not None or case.contact.max_overlap is not None
+    dt, limit = (contact, "contact") if literal and float(asked) > contact else (float(asked), "user")
+    limits.pop("contact")
+    limits["user"] = dt
+    hardest = advective_limit(h, found.speed, 1.0)
+    if dt > hardest * (1.0 + 1e-9):
+        raise CaseError("time.step", f"{dt:g} s", f"must be at most {hardest:.3g} s",
+                        "the flow would cross more than a cell in a step", 'Lower it, or use "auto".')
+    choice = choose_step(h, case.fluid.nu, case.time.diffusion, limits)
+    if choice.dt < dt * (1.0 - 1e-9) and case.time.diffusion == "auto":
+        choice = choose_step(h, case.fluid.nu, "stabilised", limits)
+    if choice.dt < dt * (1.0 - 1e-9):
+        raise CaseError("time.step", f"{dt:g} s", f"must be at most {choice.dt:.3g} s",
+                        f"the limit of {'explicit' if choice.is_explicit else 'stabilised'} diffusion on this grid",
+                        'Lower it, or leave time.diffusion = "auto".')
+    return Choice(dt, limit, choice.is_explicit, choice.stages, choice.limits)
+
+
+def _to_end(end: float, dt: float) -> float:
+    """The longest step not above dt of which a whole number ends at the end."""
+    return end / math.ceil(end / dt - 1e-9)
+
+
+def _kinds(case: Case) -> tuple[np.ndarray, np.ndarray, list[str]]:
+    """Reduced mass, smaller diameter and name of every kind of pair."""
+    bodies = case.expanded_bodies()
+    mass = bodies.density * np.pi / 6.0 * bodies.diameter**3
+    groups = {}
+    for n, (d, m) in enumerate(zip(bodies.diameter, mass, strict=True)):
+        groups.setdefault((float(d), float(m)), []).append(n)
+    items = list(groups.items())
+    several = len(items) > 1
+    found: list[tuple[float, float, str]] = []
+    for a, ((d, m), members) in enumerate(items):
+        for (e, other), _ in items[a:]:
+            if (d, m) == (e, other) and len(members) < 2:
+                continue
+            name = f"sphere-sphere ({1e3 * d:.4g} mm, {1e3 * e:.4g} mm)" if several else "sphere-sphere"
+            found.append((1.0 / (1.0 / m + 1.0 / other), min(d, e), name))
+        if any(kind != "periodic" for kind in case.domain.kinds):
+            found.append((m, d, f"sphere-wall ({1e3 * d:.4g} mm)" if several else "sphere-wall"))
+    return (np.array([m for m, _, _ in found]), np.array([d for _, d, _ in found]), [name for _, _, name in found])
+
+
+def _contact_limit(case: Case, found: Scales) -> float:
+    """Longest step the contacts allow [s]; inf without pairs."""
+    mass, diameter, _ = _kinds(case)
+    if not len(mass):
+        return math.inf
+    contact = case.contact
+    if contact.way != "contact-steps":
+        law = _law(case, math.nan)
+        return float(law.time_scale(mass, diameter).min()) / LEAST_CONTACT_STEPS
+    if found.fall == 0.0:
+        return math.inf
+    # Contact time in which a dry impact at the bodies' own speed reaches the overlap allowed.
+    e = max(float(contact.restitution or 1.0), 1e-3)
+    longest = design.largest_contact_time(e, AUTO_OVERLAP * float(diameter.min()), found.fall, contact.ending)
+    return float(longest) / float(contact.contact_steps or LEAST_CONTACT_STEPS)
+
+
+def _law(case: Case, dt: float) -> SoftSphere:
+    c = case.contact
+    ratio = c.tangential_ratio
+    if ratio is None:
+        ratio = design.ratio_from_poisson(c.poisson_ratio) if c.poisson_ratio is not None else 2.0 / 7.0
+    more = {"ending": c.ending, "friction": c.friction, "tangential_ratio": float(ratio)}
+    if c.way == "contact-steps":
+        return SoftSphere.from_contact_time(restitution=c.restitution, contact_time=c.contact_steps * dt, **more)
+    if c.way == "max-overlap":
+        return SoftSphere.from_overlap(max_overlap_fraction=c.max_overlap, impact_speed=c.impact_speed,
+                                       restitution=c.restitution, **more)
+    if c.way == "stiffness-damping":
+        return SoftSphere.from_stiffness(stiffness=c.stiffness, damping=c.damping, **more)
+    return SoftSphere.from_stiffness(stiffness=c.stiffness, restitution=c.restitution, **more)
+
+
+def _pairs(case: Case, law: SoftSphere, dt: float, found: Scales) -> list[PairKind]:
+    mass, diameter, names = _kinds(case)
+    if not len(mass):
+        return []
+    parameters = law.parameters(mass, diameter)
+    result = []
+    for n, name in enumerate(names):
+        result.append(PairKind(name, design.soft_sphere(
+            mass=float(mass[n]), stiffness=float(parameters.normal_stiffness[n]),
+            damping=float(parameters.normal_damping[n]), time_step=dt, ending=case.contact.ending,
+            impact_speed=found.fall or None, diameter=float(diameter[n]), wall=name.startswith("sphere-wall"),
+            friction=case.contact.friction)))
+    return result
+
+
+def _check_memory(case: Case, cells: tuple[int, int, int] | None, memory: int) -> None:
+    available = available_memory()
+    if cells and memory > 0.9 * available:
+        place = "resolution.cells" if case.resolution and case.resolution.cells else "resolution.cells_per_diameter"
+        value = list(cells) if case.resolution and case.resolution.cells else \
+            (case.resolution.cells_per_diameter if case.resolution else None)
+        raise CaseError(place, value, f"must lead to a grid of at most {0.9 * available / 1e9:.3g} GB",
+                        f"{cells[0]} x {cells[1]} x {cells[2]} cells need {memory / 1e9:.3g} GB",
+                        "Lower it, or shorten the box.")

@@ -1,0 +1,117 @@
+"""What a case implies, as lines for a reader."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rdpm.config.case import Case
+from rdpm.fluid.timestep import Choice
+from rdpm.setup.scales import Scales, available_memory
+
+if TYPE_CHECKING:
+    from rdpm.setup.plan import PairKind, PlanRow
+
+__all__ = ["sections"]
+
+_LIMITS = {
+    "advective": "the flow crosses time.cfl of a cell",
+    "viscous": "diffusion is stable",
+    "contact": "a contact keeps its least steps, a dry impact its overlap",
+    "user": "as asked",
+    "output": "one step to the end",
+}
+
+
+def sections(case: Case, cells: tuple[int, int, int] | None, spacing: tuple[float, ...] | None, step: Choice,
+             pairs: list[PairKind], found: Scales, memory: int, steps: int,
+             markers: int) -> list[tuple[str, list[PlanRow]]]:
+    """Group what was worked out: grid, flow, time, contact.
+
+    Returns
+    -------
+    list of (title, list of PlanRow)
+    """
+    result = []
+    if cells and spacing:
+        result.append(("Grid", _grid(case, cells, spacing, memory, markers)))
+        result.append(("Flow", _flow(case, found)))
+    result.append(("Time", _time(cells, step, steps)))
+    result.extend((f"Contact, {pair.kind}", _contact(pair)) for pair in pairs)
+    return result
+
+
+def _row(name: str, value: str, ok: bool | None = None, note: str = "") -> PlanRow:
+    from rdpm.setup.plan import PlanRow
+
+    return PlanRow(name, value, "" if ok is None else "ok" if ok else "warning", note)
+
+
+def _grid(case: Case, cells: tuple[int, int, int], spacing: tuple[float, ...], memory: int,
+          markers: int) -> list[PlanRow]:
+    rows = [_row("cells", f"{cells[0]} x {cells[1]} x {cells[2]} = {math.prod(cells) / 1e6:.3g} million"),
+            _row("spacing", ", ".join(f"{1e3 * h:.4g}" for h in spacing) + " mm")]
+    diameters = case.expanded_bodies().diameter
+    if len(diameters):
+        across = float(diameters.min()) / max(spacing)
+        rows.append(_row("cells a diameter", f"{across:.3g}", across >= 7.5,
+                         "below 8 the drag is several per cent off" if across < 7.5 else ""))
+        rows.append(_row("markers", f"{markers} on {len(diameters)} bodies"))
+    rows.append(_row("memory", f"{memory / 1e9:.2g} GB", True, f"{available_memory() / 1e9:.3g} GB are free"))
+    return rows
+
+
+def _flow(case: Case, found: Scales) -> list[PlanRow]:
+    fluid, bodies = case.fluid, case.expanded_bodies()
+    assert fluid is not None
+    rows = [_row("kinematic viscosity", f"{fluid.nu:.4g} m^2/s")]
+    if not len(bodies):
+        return rows
+    n = int(np.argmax(found.terminal)) if found.terminal.any() else 0
+    d, ratio = float(bodies.diameter[n]), float(bodies.density[n] / fluid.density)
+    g = float(np.linalg.norm(case.domain.gravity))
+    speed = float(found.terminal[n]) or found.fall
+    galileo = math.sqrt(abs(ratio - 1.0) * g * d**3) / fluid.nu
+    reynolds = speed * d / fluid.nu
+    rows += [
+        _row("density ratio", f"{ratio:.4g}", 0.5 <= ratio <= 10.0,
+             "" if 0.5 <= ratio <= 10.0 else "tested from 0.5 to 10"),
+        _row("Galileo number Ga", f"{galileo:.4g}"),
+        _row("terminal velocity", f"{float(found.terminal[n]):.4g} m/s", None, "of one sphere alone (Brown and Lawler's drag)"),
+        _row("Reynolds number Re", f"{reynolds:.4g}", None, "at that speed"),
+        _row("Stokes number St", f"{ratio * reynolds / 9.0:.4g}", None,
+             "no rebound below about 10: the film absorbs it" if ratio * reynolds / 9.0 < 10.0 else ""),
+    ]
+    return rows
+
+
+def _time(cells: tuple[int, int, int] | None, step: Choice, steps: int) -> list[PlanRow]:
+    from rdpm.setup.plan import EXPECTED_NS
+
+    rows = [_row("time step", f"{step.dt:.4g} s", None, f"limit: {step.limit} ({_LIMITS[step.limit]})"),
+            _row("limits", ", ".join(f"{name} {value:.3g} s" for name, value in step.limits.items()
+                                     if math.isfinite(value) and name != "output"))]
+    if cells:
+        way = "explicit" if step.is_explicit else f"stabilised, {step.stages} stages"
+        rows.append(_row("diffusion", way))
+        wall = steps * math.prod(cells) * EXPECTED_NS * 1e-9
+        rows.append(_row("steps", str(steps), None, f"about {wall:.0f} s on one thread"))
+    else:
+        rows.append(_row("steps", str(steps)))
+    return rows
+
+
+def _contact(pair: PairKind) -> list[PlanRow]:
+    d = pair.design
+    rows = [_row("stiffness k_n", f"{d.stiffness_N_m:.5g} N/m"), _row("damping eta_n", f"{d.damping_N_s_m:.4g} N s/m")]
+    if d.restitution is not None:
+        rows.append(_row("restitution e_n", f"{d.restitution:.4g}", None, "dry"))
+    if d.contact_time_s is not None:
+        steps = f", {d.contact_steps:.4g} steps" if d.contact_steps else ""
+        rows.append(_row("contact time t_c", f"{d.contact_time_s:.4g} s{steps}"))
+    for verdict in d.verdicts:
+        value = "-" if verdict.value is None else f"{verdict.value:.4g}"
+        rows.append(_row(verdict.name, value, verdict.ok, verdict.reason))
+    return rows
