@@ -46,7 +46,10 @@ def read_body_files(raw: dict[str, Any], folder: Path, places: dict[KeyPath, str
     for i, group in enumerate(groups if isinstance(groups, list) else ()):
         if not isinstance(group, dict) or "file" not in group:
             continue
-        place = f"{places.get(('bodies', i, 'file'), '')}: bodies[{i}].file".removeprefix(": ")
+        where = next(
+            (places[key] for key in (("bodies", i, "file"), ("bodies", i), ("bodies",)) if key in places), ""
+        )
+        place = f"{where}{' ' if where == '--set' else ': '}bodies[{i}].file".removeprefix(": ")
         name = group["file"]
         if not isinstance(name, str) or not name:
             raise CaseError(

@@ -162,6 +162,8 @@ def _first(error: ValidationError, raw: Any, places: dict[KeyPath, str], label: 
     name = _dotted(path)
     known = _known(path, places)
     where = places[known] if known is not None else label
+    if known is None and any(key[: len(path)] == path for key, place in places.items() if place == "--set"):
+        where = "--set"
     outside = [_dotted(key) for key, place in places.items() if place == "--set"]
     if where == "--set":
         place = f"--set {name}"

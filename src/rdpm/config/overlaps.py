@@ -14,7 +14,8 @@ _FEW = 200  # below, all pairs at once are cheaper than a tree (and than importi
 
 def wrapped(position: Floats, box: Floats, periodic: NDArray[np.bool_]) -> Floats:
     """Return points (N, 3) with their periodic coordinates in [0, box)."""
-    inside = np.where(periodic, np.mod(position, box), position)
+    with np.errstate(invalid="ignore"):  # NaN stands for no place yet
+        inside = np.where(periodic, np.mod(position, box), position)
     return np.where(periodic & (inside >= box), 0.0, inside)
 
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from collections import defaultdict
-
 import numpy as np
 from numpy.typing import NDArray
 
+from rdpm.config.overlaps import wrapped
 from rdpm.config.rule import RuleError
 
 __all__ = ["place_at_random"]
@@ -16,7 +14,7 @@ Floats = NDArray[np.float64]
 
 _SATURATED = 0.38  # equal spheres placed at random jam at 0.384 of the volume [1]
 _TRIES = 20_000  # failed tries in a row after which there is hardly a hole left
-_BLOCK = 512
+_BLOCK = 2048
 
 
 def place_at_random(
@@ -75,66 +73,67 @@ def place_at_random(
             at=("min_gap",),
             value=min_gap,
         )
-    holes = _Holes(box, periodic, max(float(d.max()) for d in (diameter, *obstacles[1:]) if len(d)), min_gap)
-    for centre, size in zip(obstacles[0].tolist(), obstacles[1].tolist(), strict=True):
-        holes.fill(centre, size)
+    tries = _Tries(box, periodic, min_gap, *obstacles)
     rng = np.random.default_rng(seed)
     placed = np.empty((len(diameter), 3))
-    draws: list[list[float]] = []
-    for done, body in enumerate(np.argsort(-diameter, kind="stable")):
-        size = float(diameter[body])
-        for _ in range(_TRIES):
-            if not draws:
-                draws = rng.random((_BLOCK, 3)).tolist()
-            draw = draws.pop()
-            centre = [float(low[body, a] + draw[a] * room[body, a]) for a in range(3)]
-            if holes.is_free(centre, size):
-                break
-        else:
-            raise RuleError(
-                f"must fit the box: {done} of {len(diameter)} bodies were placed, then {_TRIES} tries in a "
-                "row failed",
-                "hardly a hole is left",
-                "Ask for fewer bodies or a smaller min_gap, or use a lattice.",
-            )
-        holes.fill(centre, size)
-        placed[body] = centre
+    done = 0
+    for size in np.unique(diameter)[::-1]:
+        bodies = np.flatnonzero(diameter == size)
+        start, length = low[bodies[0]], room[bodies[0]]
+        found, failed, block = 0, 0, 64
+        while found < len(bodies):
+            draws = wrapped(start + rng.random((block, 3)) * length, box, periodic)
+            centres = tries.keep(draws, float(size), len(bodies) - found)
+            placed[bodies[found : found + len(centres)]] = centres
+            found += len(centres)
+            failed = 0 if len(centres) else failed + block
+            if failed >= _TRIES:
+                raise RuleError(
+                    f"must fit the box: {done + found} of {len(diameter)} bodies were placed, "
+                    f"then {failed} tries in a row failed",
+                    "hardly a hole is left",
+                    "Ask for fewer bodies or a smaller min_gap, or use a lattice.",
+                )
+            block = min(_BLOCK, 2 * block)  # one tree serves a block
+        done += found
     return placed
 
 
-class _Holes:
-    """Spheres sorted into cells no smaller than their reach."""
+class _Tries:
+    """The spheres placed so far, and which new ones keep clear of them."""
 
-    def __init__(self, box: Floats, periodic: NDArray[np.bool_], largest: float, min_gap: float) -> None:
-        self.box, self.periodic, self.min_gap = box.tolist(), periodic.tolist(), min_gap
-        self.cells = [int(min(max(1.0, length // (largest + min_gap)), 1e6)) for length in self.box]
-        self.content: defaultdict[tuple[int, int, int], list[tuple[list[float], float]]] = defaultdict(list)
+    def __init__(
+        self, box: Floats, periodic: NDArray[np.bool_], min_gap: float, position: Floats, diameter: Floats
+    ) -> None:
+        self.box, self.periodic, self.min_gap = box, periodic, min_gap
+        self.position, self.diameter = position, diameter
 
-    def _cell(self, centre: list[float]) -> tuple[int, int, int]:
-        i, j, k = (
-            min(int(c / length * n), n - 1) for c, length, n in zip(centre, self.box, self.cells, strict=True)
-        )
-        return i, j, k
+    def keep(self, draws: Floats, size: float, most: int) -> Floats:
+        """Add the first `most` of some centres that are free, in their order, and return them."""
+        from scipy.spatial import cKDTree
 
-    def fill(self, centre: list[float], size: float) -> None:
-        self.content[self._cell(centre)].append((centre, size))
+        free = draws
+        images = np.where(self.periodic, self.box, 0.0)
+        if len(self.position):
+            tree = cKDTree(self.position, boxsize=images)
+            hits = tree.query_ball_point(draws, 0.5 * (size + self.diameter.max()) + self.min_gap)
+            i = np.repeat(np.arange(len(draws)), [len(hit) for hit in hits])
+            j = np.concatenate([np.asarray(hit, dtype=np.int64) for hit in hits])
+            reach = 0.5 * (size + self.diameter[j]) + self.min_gap
+            blocked = i[self._distance(draws[i], self.position[j]) < reach]
+            free = np.delete(draws, np.unique(blocked), axis=0)
+        kept = np.empty((0, 3))
+        for centre in free:  # few: those that may only hinder each other
+            if len(kept) == most:
+                break
+            if not (self._distance(kept, centre) < size + self.min_gap).any():
+                kept = np.vstack([kept, centre])
+        self.position = np.vstack([self.position, kept])
+        self.diameter = np.append(self.diameter, np.full(len(kept), size))
+        return kept
 
-    def is_free(self, centre: list[float], size: float) -> bool:
-        cell = self._cell(centre)
-        near = [{(cell[a] + step) % self.cells[a] for step in (-1, 0, 1)} for a in range(3)]
-        for i in near[0]:
-            for j in near[1]:
-                for k in near[2]:
-                    for other, other_size in self.content.get((i, j, k), ()):
-                        if self._distance(centre, other) < 0.5 * (size + other_size) + self.min_gap:
-                            return False
-        return True
-
-    def _distance(self, a: list[float], b: list[float]) -> float:
-        total = 0.0
-        for x, y, length, is_periodic in zip(a, b, self.box, self.periodic, strict=True):
-            d = x - y
-            if is_periodic:
-                d -= length * round(d / length)
-            total += d * d
-        return math.sqrt(total)
+    def _distance(self, a: Floats, b: Floats) -> Floats:
+        delta = a - b
+        delta -= np.where(self.periodic, self.box * np.round(delta / self.box), 0.0)
+        distance: Floats = np.linalg.norm(delta, axis=1)
+        return distance

@@ -62,53 +62,46 @@ def expand(groups: tuple[BodyGroup, ...], domain: Domain) -> BodyTable:
     RuleError
         A body outside the box, two that overlap, more than fit; it names them by id.
     """
-    box, periodic = np.array(domain.size), np.array(domain.is_periodic)
     counts = [_count(group, domain) for group in groups]
     if sum(counts) > MAX_BODIES:
         raise RuleError(f"must be at most {MAX_BODIES} bodies, not {sum(counts)}", at=("bodies",))
+    members = list(zip(range(len(groups)), groups, counts, strict=True))
     group = np.repeat(np.arange(len(groups)), counts)
-    diameter = _joined(
-        [_each(g.diameter, n, "diameter", i) for i, (g, n) in enumerate(zip(groups, counts, strict=True))]
-    )
-    density = _joined(
-        [_each(g.density, n, "density", i) for i, (g, n) in enumerate(zip(groups, counts, strict=True))]
-    )
+    diameter = _joined([_each(g.diameter, n, "diameter", i) for i, g, n in members])
+    density = _joined([_each(g.density, n, "density", i) for i, g, n in members])
+    velocity = _joined([_velocity(g, n, i, "velocity").ravel() for i, g, n in members]).reshape(-1, 3)
+    spin = _joined([_velocity(g, n, i, "angular_velocity").ravel() for i, g, n in members]).reshape(-1, 3)
     _check_sizes(diameter, group, domain)
+    position = _positions(diameter, group, groups, domain)
+    for array in (diameter, density, position, velocity, spin, group):
+        array.setflags(write=False)
+    motion = tuple(g.motion for _, g, n in members for _ in range(n))
+    return BodyTable(diameter, density, position, velocity, spin, motion, group)
+
+
+def _positions(
+    diameter: Floats, group: NDArray[np.int64], groups: tuple[BodyGroup, ...], domain: Domain
+) -> Floats:
+    """Centres, wrapped into the box: the given ones, then the packings between them."""
+    box, periodic = np.array(domain.size), np.array(domain.is_periodic)
     position = np.full((len(diameter), 3), np.nan)
     for i, g in enumerate(groups):
         if g.packing is None:
-            position[group == i] = g.centers if g.centers is not None else _lattice(g.lattice, domain)
+            position[group == i] = g.centers if g.centers is not None else _lattice(g.lattice)
     _check_inside(position, diameter, group, groups, domain)
-    for i, g in enumerate(groups):
-        if g.packing is not None:
-            mine, others = group == i, np.isfinite(position[:, 0])
-            obstacles = (wrapped(position[others], box, periodic), diameter[others])
-            try:
-                position[mine] = place_at_random(
-                    diameter[mine], box, periodic, g.packing.min_gap, g.packing.seed, obstacles
-                )
-            except RuleError as problem:
-                raise problem.below("bodies", i, "packing") from None
     position = wrapped(position, box, periodic)
+    for i, g in enumerate(groups):
+        if g.packing is None:
+            continue
+        mine, others = group == i, np.isfinite(position[:, 0])
+        obstacles = (position[others], diameter[others])
+        gap, seed = g.packing.min_gap, g.packing.seed
+        try:
+            position[mine] = place_at_random(diameter[mine], box, periodic, gap, seed, obstacles)
+        except RuleError as problem:
+            raise problem.below("bodies", i, "packing") from None
     _check_apart(position, diameter, group, groups, domain)
-    velocity = _joined(
-        [_velocity(g, n, i, "velocity") for i, (g, n) in enumerate(zip(groups, counts, strict=True))]
-    )
-    spin = _joined(
-        [_velocity(g, n, i, "angular_velocity") for i, (g, n) in enumerate(zip(groups, counts, strict=True))]
-    )
-    table = BodyTable(
-        diameter,
-        density,
-        position,
-        velocity.reshape(-1, 3),
-        spin.reshape(-1, 3),
-        tuple(groups[i].motion for i in group),
-        group,
-    )
-    for array in (diameter, density, position, table.velocity, table.angular_velocity, group):
-        array.setflags(write=False)
-    return table
+    return position
 
 
 def _joined(parts: list[Floats]) -> Floats:
@@ -149,7 +142,7 @@ def _velocity(group: BodyGroup, count: int, i: int, name: Literal["velocity", "a
     return np.array(np.broadcast_to(np.asarray(given, dtype=np.float64), (count, 3)))
 
 
-def _lattice(lattice: Lattice | None, domain: Domain) -> Floats:
+def _lattice(lattice: Lattice | None) -> Floats:
     if lattice is None:
         return np.zeros((0, 3))
     axes = [

@@ -6,8 +6,6 @@ from typing import Any
 
 __all__ = ["RuleError", "listed", "shown", "suggestion"]
 
-_LONGEST = 60
-
 Path = tuple[str | int, ...]
 
 
@@ -42,7 +40,7 @@ class RuleError(ValueError):
         return RuleError(self.rule, self.reason, self.cure, value=self.value, at=(*at, *self.at))
 
 
-def shown(value: Any) -> str:
+def shown(value: Any, longest: int = 60) -> str:
     """Write a value on one short line, whatever it is."""
     if isinstance(value, dict):
         return "a table"
@@ -57,7 +55,7 @@ def shown(value: Any) -> str:
     except ValueError:  # Python writes no integer beyond 4300 digits
         return "a number of thousands of digits"
     text = "".join(c if c.isprintable() else "?" for c in text)
-    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+    return text if len(text) <= longest else text[: longest - 3] + "..."
 
 
 def listed(names: Any) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from rdpm.cases import shipped_names, shipped_text
-from rdpm.config.rule import listed, suggestion
+from rdpm.config.rule import listed, shown, suggestion
 from rdpm.errors import CaseError
 
 __all__ = ["case_name", "parse_toml", "read_source", "read_text"]
@@ -31,12 +31,12 @@ def read_source(source: str | Path) -> tuple[str, str, Path]:
     if isinstance(source, str) and source in shipped_names():
         return shipped_text(source), f"{source}.toml", Path()
     path = Path(source)
-    return read_text(path, is_case=True), str(source), path.parent
+    return read_text(path, is_case=True), shown(str(source), longest=200)[1:-1], path.parent
 
 
 def read_text(path: Path, *, is_case: bool = False) -> str:
     """Read a text file, or say in one CaseError why not."""
-    place = str(path)
+    place = shown(str(path), longest=200)[1:-1]
     try:
         if path.is_dir():
             inside = path / "case.toml"
