@@ -51,24 +51,30 @@ def test_rebound_is_released_by_a_gap_at_its_speed():
     assert motion.until == Gap(gap=0.0015)
     fall, speed, dt = 0.0, 0.0, 1e-4
     time = 0.0
-    while fall < 0.064:   # from 67 mm to the centre's height at a gap of one radius
+    while fall < 0.064:  # from 67 mm to the centre's height at a gap of one radius
         speed = -motion.velocity_at(time + dt / 2)[2]
         fall, time = fall + speed * dt, time + dt
     stokes = 7800 * 0.003 * speed / (9 * 0.010)
-    assert abs(stokes - 152) < 0.01 * 152   # what the case says of its shorter box
+    assert abs(stokes - 152) < 0.01 * 152  # what the case says of its shorter box
 
 
 def test_defaults():
     case = load_case({**DRY, "output": {}})
     assert case.fluid is None
     assert case.resolution is None
-    assert case.contact.lubrication is False   # no film without a fluid
+    assert case.contact.lubrication is False  # no film without a fluid
     assert case.contact.tangential_ratio == 2 / 7
     assert case.domain.gravity == (0.0, 0.0, -9.81)
     assert case.output.table_every == 1 / 500
     assert not case.zero_mean_flow
-    wet = load_case({**DRY, "contact": {"contact_steps": 8, "restitution": 0.5},
-                     "fluid": {"density": 1000, "viscosity": 1}, "resolution": {"cells": [60, 60, 60]}})
+    wet = load_case(
+        {
+            **DRY,
+            "contact": {"contact_steps": 8, "restitution": 0.5},
+            "fluid": {"density": 1000, "viscosity": 1},
+            "resolution": {"cells": [60, 60, 60]},
+        }
+    )
     assert wet.contact.lubrication is True
     del (silent := dict(DRY))["contact"]
     contact = load_case(silent, ["time.step=1 ms"]).contact
@@ -104,8 +110,17 @@ def test_pressure_gradient_accelerates_against_itself():
 
 
 def test_overrides():
-    case = load_case("dkt", ["bodies[0].density=1150", "fluid.viscosity=100 mPa s", "time.end=2",
-                             "bodies[0].centers[1][2]='430 mm'", "output.video=false", "title=other"])
+    case = load_case(
+        "dkt",
+        [
+            "bodies[0].density=1150",
+            "fluid.viscosity=100 mPa s",
+            "time.end=2",
+            "bodies[0].centers[1][2]='430 mm'",
+            "output.video=false",
+            "title=other",
+        ],
+    )
     assert case.bodies[0].density == 1150.0
     assert case.fluid.viscosity == 0.1
     assert case.time.end == 2.0
@@ -152,5 +167,7 @@ def test_title_with_any_character_survives():
 
 
 def test_unknown_override_names_itself():
-    with pytest.raises(CaseError, match=r'^--set fluid\.viscocity: unknown key\. Did you mean "viscosity"\?$'):
+    with pytest.raises(
+        CaseError, match=r'^--set fluid\.viscocity: unknown key\. Did you mean "viscosity"\?$'
+    ):
         load_case("dkt", ["fluid.viscocity=1"])

@@ -60,7 +60,9 @@ def test_every_key_has_a_line(text):
     assert set(line_numbers(text)) == set(paths(tomllib.loads(text)))
 
 
-@pytest.mark.parametrize("text", ["", "[", "a", "a =", "a = [", 'a = "', "a = {b", "= 1", "[a]]\n[b", "a = [1,,"])
+@pytest.mark.parametrize(
+    "text", ["", "[", "a", "a =", "a = [", 'a = "', "a = {b", "= 1", "[a]]\n[b", "a = [1,,"]
+)
 def test_broken_text_is_no_error(text):
     line_numbers(text)
 

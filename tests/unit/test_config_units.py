@@ -33,7 +33,7 @@ from rdpm.config.units import parse_quantity
     ],
 )
 def test_conversion_is_exact(text, unit, value):
-    assert parse_quantity(text, unit) == value   # decimal, hence equality and no tolerance
+    assert parse_quantity(text, unit) == value  # decimal, hence equality and no tolerance
 
 
 def test_turns_become_radians():

@@ -38,9 +38,11 @@ def check(
         The case is wrong.
     """
     from rdpm.config.load import load_case
-    from rdpm.setup import plan
 
-    planned = plan(load_case(case, set_))
+    loaded = load_case(case, set_)
+    from rdpm.setup import plan  # a case that is wrong is told before the solver is loaded
+
+    planned = plan(loaded)
     if json:
         import json as encoder
 

@@ -13,7 +13,11 @@ __all__ = ["report"]
 
 
 def report(
-    folder: Path, /, *, video: bool = True, quiet: Annotated[bool, Parameter(negative="", show_default=False)] = False
+    folder: Path,
+    /,
+    *,
+    video: bool = True,
+    quiet: Annotated[bool, Parameter(negative="", show_default=False)] = False,
 ) -> None:
     """Make the figures, the video and report.html of a run's folder again.
 

@@ -61,9 +61,10 @@ def run(
     if threads is not None and not 1 <= threads <= 1024:
         raise CaseError("--threads", threads, "must lie between 1 and 1024")
     from rdpm.config.load import case_name, load_case
-    from rdpm.setup import plan, run_case
 
     loaded = load_case(case, set_)
+    from rdpm.setup import plan, run_case  # a case that is wrong is told before the solver is loaded
+
     plan(loaded)  # refuses what cannot run, before a folder is made
     _end_on_sigterm()
     folder = _folder(out, case_name(case))

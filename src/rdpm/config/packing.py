@@ -53,26 +53,7 @@ def place_at_random(
     ----------
     .. [1] Torquato, Random Heterogeneous Materials (2002), Sec. 3.4: random sequential addition.
     """
-    with np.errstate(over="ignore"):
-        fraction = float(
-            (np.pi / 6.0 * (diameter / box[0]) * (diameter / box[1]) * (diameter / box[2])).sum()
-        )
-    if fraction > _SATURATED:
-        raise RuleError(
-            f"must fill at most {_SATURATED} of the box, not {fraction:.3g}",
-            "random placement finds no more holes",
-            "Ask for fewer bodies, or use a lattice.",
-        )
-    low = np.where(periodic, 0.0, 0.5 * diameter[:, None] + min_gap)
-    room = np.where(periodic, box, box - 2.0 * low)
-    if (room < 0.0).any():
-        raise RuleError(
-            "must leave room for a body and min_gap between the sides",
-            "the box is too narrow",
-            "Lower min_gap, or enlarge domain.size.",
-            at=("min_gap",),
-            value=min_gap,
-        )
+    low, room = _room(diameter, box, periodic, min_gap)
     tries = _Tries(box, periodic, min_gap, *obstacles)
     rng = np.random.default_rng(seed)
     placed = np.empty((len(diameter), 3))
@@ -97,6 +78,33 @@ def place_at_random(
             block = min(_BLOCK, 2 * block)  # one tree serves a block
         done += found
     return placed
+
+
+def _room(
+    diameter: Floats, box: Floats, periodic: NDArray[np.bool_], min_gap: float
+) -> tuple[Floats, Floats]:
+    """Where each centre may lie: its lower corner and the extent, (N, 3)."""
+    with np.errstate(over="ignore"):
+        fraction = float(
+            (np.pi / 6.0 * (diameter / box[0]) * (diameter / box[1]) * (diameter / box[2])).sum()
+        )
+    if fraction > _SATURATED:
+        raise RuleError(
+            f"must fill at most {_SATURATED} of the box, not {fraction:.3g}",
+            "random placement finds no more holes",
+            "Ask for fewer bodies, or use a lattice.",
+        )
+    low = np.where(periodic, 0.0, 0.5 * diameter[:, None] + min_gap)
+    room = np.where(periodic, box, box - 2.0 * low)
+    if (room < 0.0).any():
+        raise RuleError(
+            "must leave room for a body and min_gap between the sides",
+            "the box is too narrow",
+            "Lower min_gap, or enlarge domain.size.",
+            at=("min_gap",),
+            value=min_gap,
+        )
+    return low, room
 
 
 class _Tries:
