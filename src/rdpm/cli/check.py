@@ -1,0 +1,75 @@
+"""``rdpm check``: what a case implies, before it is run."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+__all__ = ["check", "show_plan"]
+
+_COLOURS = {"ok": "green", "warning": "yellow"}
+
+
+def check(
+    case: str,
+    /,
+    *,
+    set_: Annotated[tuple[str, ...], Parameter(name="--set", negative="", show_default=False)] = (),
+    json: Annotated[bool, Parameter(negative="", show_default=False)] = False,
+) -> None:
+    """Show what a case implies: grid, numbers, time step, contacts, memory, time; with verdicts.
+
+    Parameters
+    ----------
+    case : str
+        A case file, or the name of a shipped case.
+    set_ : tuple of str
+        key=value, instead of what the case says; may be repeated.
+    json : bool
+        Write JSON for machines.
+
+    Raises
+    ------
+    CaseError
+        The case is wrong.
+    """
+    from rdpm.config.load import load_case
+
+    loaded = load_case(case, set_)
+    from rdpm.setup import plan  # a case that is wrong is told before the solver is loaded
+
+    planned = plan(loaded)
+    if json:
+        import json as encoder
+
+        print(encoder.dumps(planned.to_dict(), indent=2))
+        return
+    from rich.console import Console
+
+    show_plan(planned, Console(highlight=False))
+
+
+def show_plan(plan: Any, console: Console) -> None:
+    """Print a plan as tables, one a section.
+
+    Parameters
+    ----------
+    plan : rdpm.setup.Plan
+    console : rich.console.Console
+    """
+    from rich.table import Table
+
+    for title, rows in plan.sections:
+        table = Table(
+            title=title, title_justify="left", title_style="bold", show_header=False, box=None, pad_edge=False
+        )
+        for _ in range(4):
+            table.add_column(overflow="fold")
+        for row in rows:
+            table.add_row(row.name, row.value, row.verdict, row.note, style=_COLOURS.get(row.verdict))
+        console.print(table)
+        console.print()

@@ -1,0 +1,60 @@
+"""``rdpm info``: versions, threads, SIMD, MPI."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import os
+import platform
+from importlib.metadata import PackageNotFoundError, version
+
+__all__ = ["info"]
+
+_PACKAGES = ("numpy", "scipy", "pydantic", "h5py", "matplotlib", "pyvista")
+
+
+def info() -> None:
+    """Show versions, threads, SIMD and MPI: what a report of a problem should name.
+
+    Examples
+    --------
+    >>> info()   # doctest: +ELLIPSIS
+    rdpm        0.1.0
+    Python      ...
+    """
+    import rdpm
+
+    rows = {
+        "rdpm": rdpm.__version__,
+        "Python": f"{platform.python_version()}, {platform.system()} {platform.machine()}",
+        **_kernels(),
+        "threads": _threads(),
+        "MPI": "mpi4py is installed" if importlib.util.find_spec("mpi4py") else "mpi4py is not installed",
+        "packages": ", ".join(f"{name} {_version(name)}" for name in _PACKAGES),
+    }
+    for name, value in rows.items():
+        print(f"{name:11} {value}")
+
+
+def _kernels() -> dict[str, str]:
+    """How the compiled part was built, as it tells."""
+    try:
+        core = importlib.import_module("rdpm._core")
+    except ImportError as error:
+        return {"kernels": f"cannot be loaded: {error}"}
+    build = core.build_info() if hasattr(core, "build_info") else {}
+    return {str(name): str(value) for name, value in build.items()} or {"kernels": "compiled"}
+
+
+def _threads() -> str:
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    asked = os.environ.get("OMP_NUM_THREADS")
+    waiting = os.environ.get("OMP_WAIT_POLICY", "the default")
+    return f"{asked or cores} ({cores} cores here, OMP_NUM_THREADS {asked or 'not set'}, waiting {waiting})"
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "missing"

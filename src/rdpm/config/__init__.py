@@ -1,0 +1,1 @@
+"""The case file: its models, units, loading and writing. Imports no room; no room imports it."""

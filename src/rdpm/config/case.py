@@ -1,0 +1,186 @@
+"""The case: box, fluid, bodies, contact, and how they are computed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import BeforeValidator, StrictStr, ValidationInfo, field_validator, model_validator
+
+from rdpm.config.bodies import BodyGroup, Gap, Motion
+from rdpm.config.contact import DEFAULT_CONTACT, Contact
+from rdpm.config.domain import Domain, Fluid
+from rdpm.config.fields import Model, items
+from rdpm.config.numerics import Resolution, Time
+from rdpm.config.output import Output
+from rdpm.config.rule import RuleError
+
+if TYPE_CHECKING:
+    from rdpm.config.placement import BodyTable
+
+__all__ = ["Case"]
+
+
+def _groups(value: Any) -> tuple[Any, ...]:
+    if isinstance(value, dict):
+        raise RuleError("must be a list of tables", cure="Write [[bodies]], not [bodies].", value=value)
+    return tuple(items(value))
+
+
+class Case(Model):
+    """A case as it will be run: plain SI numbers, defaults filled in.
+
+    Attributes
+    ----------
+    title : str
+    domain : Domain
+    fluid : Fluid, optional
+        Without it the bodies move in a void.
+    bodies : tuple of BodyGroup
+        :meth:`expanded_bodies` lists them one by one.
+    contact : Contact
+        Soft spheres with 8 contact steps and restitution 0.9 when left out.
+    resolution : Resolution, optional
+        Needed with a fluid.
+    time : Time
+    output : Output
+    """
+
+    title: StrictStr = ""
+    domain: Domain
+    fluid: Fluid | None = None
+    bodies: Annotated[tuple[BodyGroup, ...], BeforeValidator(_groups)] = ()
+    contact: Contact
+    resolution: Resolution | None = None
+    time: Time
+    output: Output
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill(cls, raw: Any) -> Any:
+        if not isinstance(raw, dict):
+            return raw
+        filled = {"contact": dict(DEFAULT_CONTACT), "output": {}, **raw}
+        if isinstance(filled["contact"], dict):
+            # only a fluid has a film to squeeze
+            filled["contact"] = {"lubrication": filled.get("fluid") is not None, **filled["contact"]}
+        return filled
+
+    @field_validator("output", mode="after")
+    @classmethod
+    def _fill_output(cls, output: Output, info: ValidationInfo) -> Output:
+        time = info.data.get("time")
+        return output.filled(time.end) if isinstance(time, Time) else output
+
+    @model_validator(mode="after")
+    def _is_consistent(self) -> Case:
+        if self.fluid is None:
+            self._check_dry()
+        else:
+            self._check_wet(self.fluid)
+        self._check_releases()
+        diameters = self.expanded_bodies().diameter
+        cells = self.resolution.cells if self.resolution else None
+        if cells is not None and len(diameters):
+            across = [
+                count * float(diameters.min()) / length
+                for count, length in zip(cells, self.domain.size, strict=True)
+            ]
+            worst = min(range(3), key=across.__getitem__)
+            if across[worst] < 4.0 - 1e-9:
+                raise RuleError(
+                    f"must put at least 4 cells across the smallest body, not {across[worst]:.3g} in "
+                    f"{'xyz'[worst]}",
+                    "the flow around it is not resolved",
+                    f"Use at least {int(4 * cells[worst] / across[worst]) + 1} cells there.",
+                    value=cells,
+                    at=("resolution", "cells"),
+                )
+        return self
+
+    def _check_dry(self) -> None:
+        if not self.bodies:
+            raise RuleError(
+                "must have a fluid or bodies", "there is nothing to compute", "Add [fluid] or [[bodies]]."
+            )
+        if self.contact.lubrication:
+            raise RuleError(
+                "must not be true without [fluid]",
+                "there is no film to squeeze",
+                "Leave it out.",
+                value=True,
+                at=("contact", "lubrication"),
+            )
+        if self.time.step == "auto" and self.contact.way == "contact-steps":
+            raise RuleError(
+                "must be a time in a case without [fluid]",
+                "contact_steps counts steps, and no flow sets their length",
+                'Give time.step, such as "0.1 ms", or contact.stiffness.',
+                value="auto",
+                at=("time", "step"),
+            )
+
+    def _check_wet(self, fluid: Fluid) -> None:
+        if self.resolution is None:
+            raise RuleError(
+                "is missing",
+                "the flow needs a grid",
+                "Add [resolution] with cells_per_diameter = 8, or cells = [nx, ny, nz].",
+                at=("resolution",),
+            )
+        if self.resolution.cells is None and not self.bodies:
+            raise RuleError(
+                "must be left out where there are no bodies",
+                "there is no diameter",
+                "Give resolution.cells = [nx, ny, nz].",
+                value=self.resolution.cells_per_diameter,
+                at=("resolution", "cells_per_diameter"),
+            )
+        if fluid.zero_mean_flow and not all(self.domain.is_periodic):
+            raise RuleError(
+                "must not be true where a boundary is not periodic",
+                "walls already hold the mean flow",
+                "Leave it out.",
+                value=True,
+                at=("fluid", "zero_mean_flow"),
+            )
+
+    def _check_releases(self) -> None:
+        for i, group in enumerate(self.bodies):
+            by_gap = isinstance(group.motion, Motion) and isinstance(group.motion.until, Gap)
+            if by_gap and "wall" not in self.domain.kinds:
+                raise RuleError(
+                    "must be a time in a box without walls",
+                    "a gap is measured to the nearest wall",
+                    at=("bodies", i, "motion", "until"),
+                )
+
+    @property
+    def zero_mean_flow(self) -> bool:
+        """Whether the mean volume flow is kept at zero.
+
+        Unless the case says: in a fully periodic box where bodies are free, gravity acts and no force
+        drives the flow.
+        """
+        if self.fluid is None:
+            return False
+        if self.fluid.zero_mean_flow is not None:
+            return self.fluid.zero_mean_flow
+        has_free = any(group.motion != "fixed" for group in self.bodies)
+        return (
+            all(self.domain.is_periodic)
+            and has_free
+            and any(self.domain.gravity)
+            and not self.fluid.is_driven
+        )
+
+    def expanded_bodies(self) -> BodyTable:
+        """Return all bodies one by one, lattices and packings placed.
+
+        Returns
+        -------
+        BodyTable
+            Ids are the row numbers, in the order of the groups; the arrays are read-only.
+        """
+        from rdpm.config.placement import expand
+
+        return expand(self.bodies, self.domain)

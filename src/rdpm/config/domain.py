@@ -1,0 +1,174 @@
+"""The box and what fills it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import StrictBool, model_validator
+
+from rdpm.config.fields import Model, Vector, choice, number, vector
+from rdpm.config.rule import RuleError
+
+__all__ = ["SIDES", "Boundary", "Domain", "Fluid", "WallVelocity"]
+
+SIDES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
+
+Kind = Literal["wall", "periodic", "free-slip"]
+_KIND = choice("wall", "periodic", "free-slip")
+_WALL_SPEED = vector("m/s")
+
+
+class Boundary(Model):
+    """What bounds the box, for each pair of opposite sides.
+
+    Attributes
+    ----------
+    x, y, z : "wall", "periodic" or "free-slip"
+        A wall has no slip.
+    """
+
+    x: Annotated[Kind, _KIND] = "wall"
+    y: Annotated[Kind, _KIND] = "wall"
+    z: Annotated[Kind, _KIND] = "wall"
+
+
+class WallVelocity(Model):
+    """Velocities of walls that move in their own plane.
+
+    Attributes
+    ----------
+    x_lower, x_upper, y_lower, y_upper, z_lower, z_upper : tuple of 3 floats, [m/s], optional
+        The component across the wall is zero.
+    """
+
+    x_lower: Annotated[Vector | None, _WALL_SPEED] = None
+    x_upper: Annotated[Vector | None, _WALL_SPEED] = None
+    y_lower: Annotated[Vector | None, _WALL_SPEED] = None
+    y_upper: Annotated[Vector | None, _WALL_SPEED] = None
+    z_lower: Annotated[Vector | None, _WALL_SPEED] = None
+    z_upper: Annotated[Vector | None, _WALL_SPEED] = None
+
+
+class Domain(Model):
+    """A box from the origin, and gravity.
+
+    Attributes
+    ----------
+    size : tuple of 3 floats, [m]
+        Along x, y, z, > 0; kept exactly.
+    boundary : Boundary
+    gravity : tuple of 3 floats, [m/s^2]
+    wall_velocity : WallVelocity
+    """
+
+    size: Annotated[Vector, vector("m", above=0.0)]
+    boundary: Boundary = Boundary()
+    gravity: Annotated[Vector, vector("m/s^2")] = (0.0, 0.0, -9.81)
+    wall_velocity: WallVelocity = WallVelocity()
+
+    @property
+    def kinds(self) -> tuple[Kind, Kind, Kind]:
+        """Boundaries along x, y, z."""
+        return self.boundary.x, self.boundary.y, self.boundary.z
+
+    @property
+    def is_periodic(self) -> tuple[bool, bool, bool]:
+        """Whether x, y, z are periodic."""
+        x, y, z = (kind == "periodic" for kind in self.kinds)
+        return x, y, z
+
+    @model_validator(mode="after")
+    def _walls_slide(self) -> Domain:
+        for n, side in enumerate(SIDES):
+            velocity = getattr(self.wall_velocity, side)
+            if velocity is None:
+                continue
+            if self.kinds[n // 2] != "wall":
+                raise RuleError(
+                    f'must be left out where boundary.{side[0]} = "{self.kinds[n // 2]}"',
+                    "only a wall moves",
+                    f'Set domain.boundary.{side[0]} = "wall".',
+                    value=velocity,
+                    at=("wall_velocity", side),
+                )
+            if velocity[n // 2] != 0.0:
+                raise RuleError(
+                    f"must have no {side[0]} component",
+                    "a wall slides in its own plane",
+                    f"Set component {n // 2} to 0.",
+                    value=velocity,
+                    at=("wall_velocity", side),
+                )
+        return self
+
+
+class Fluid(Model):
+    """An incompressible Newtonian fluid.
+
+    Attributes
+    ----------
+    density : float, [kg/m^3]
+        > 0.
+    viscosity : float, [Pa s], optional
+        Dynamic; this or `kinematic_viscosity`.
+    kinematic_viscosity : float, [m^2/s], optional
+    body_force : tuple of 3 floats, [m/s^2], optional
+        On a unit mass of fluid, beside gravity (which the hydrostatic pressure carries); this or
+        `pressure_gradient`.
+    pressure_gradient : tuple of 3 floats, [Pa/m], optional
+        Mean gradient; the flow is driven against it.
+    zero_mean_flow : bool, optional
+        Whether the mean volume flow of a fully periodic box is kept at zero; chosen by the case when left
+        out.
+    initial_velocity : tuple of 3 floats, [m/s]
+        Uniform.
+    """
+
+    density: Annotated[float, number("kg/m^3", above=0.0)]
+    viscosity: Annotated[float | None, number("Pa s", above=0.0)] = None
+    kinematic_viscosity: Annotated[float | None, number("m^2/s", above=0.0)] = None
+    body_force: Annotated[Vector | None, vector("m/s^2")] = None
+    pressure_gradient: Annotated[Vector | None, vector("Pa/m")] = None
+    zero_mean_flow: StrictBool | None = None
+    initial_velocity: Annotated[Vector, vector("m/s")] = (0.0, 0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _is_one_fluid(self) -> Fluid:
+        if (self.viscosity is None) == (self.kinematic_viscosity is None):
+            found = "neither is given" if self.viscosity is None else "both are given"
+            raise RuleError('must have exactly one of "viscosity" and "kinematic_viscosity"', found)
+        if self.body_force is not None and self.pressure_gradient is not None:
+            raise RuleError('must have at most one of "body_force" and "pressure_gradient"', "both are given")
+        if self.zero_mean_flow and self.is_driven:
+            raise RuleError(
+                "must not be true where a force drives the flow",
+                "a mean flow is what it drives",
+                "Leave one of them out.",
+                at=("zero_mean_flow",),
+            )
+        return self
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether a body force or a pressure gradient is given."""
+        return self.body_force is not None or self.pressure_gradient is not None
+
+    @property
+    def mu(self) -> float:
+        """Dynamic viscosity [Pa s]."""
+        return (
+            self.viscosity if self.viscosity is not None else self.density * (self.kinematic_viscosity or 0.0)
+        )
+
+    @property
+    def nu(self) -> float:
+        """Kinematic viscosity [m^2/s]."""
+        return self.kinematic_viscosity or self.mu / self.density
+
+    @property
+    def acceleration(self) -> Vector:
+        """Uniform acceleration [m/s^2] by the body force or the pressure gradient."""
+        if self.pressure_gradient is not None:
+            x, y, z = (-gradient / self.density for gradient in self.pressure_gradient)
+            return x, y, z
+        return self.body_force or (0.0, 0.0, 0.0)
