@@ -1,0 +1,1 @@
+"""Figures, video and report of a run, from the files of its folder."""
