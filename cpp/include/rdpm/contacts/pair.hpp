@@ -26,8 +26,8 @@ struct Box {
     const double* wall_velocity;          // (6, 3)
 };
 
-// Geometry of a pair: the normal points from i to j, overlap > 0 in contact; the levers reach from the centres
-// to the contact point and add up to the distance, so that angular momentum is conserved.
+// Geometry of a pair: the normal points from i to j, overlap > 0 in contact; the levers reach from the
+// centres to the contact point and add up to the distance, so that angular momentum is conserved.
 struct Geometry {
     double n[3];
     double overlap, lever_i, lever_j;
