@@ -22,9 +22,10 @@ def approaching(kind: str, gap: float) -> Bodies:
         place, velocity = [[0.5, 0.5, 0.5 * DIAMETER + gap]], [[0.02, 0.0, -SPEED]]
         return Bodies(np.array([DIAMETER]), np.array([2500.0]), np.array(place), np.array(velocity))
     other = DIAMETER if kind == "equal" else 2.3 * DIAMETER
-    place = [[0.5, 0.5, 0.5], [0.5, 0.5 + 0.5 * (DIAMETER + other) + gap, 0.5]]
+    size = np.array([DIAMETER, other])
+    place = [[0.5, 0.5, 0.5], [0.5, 0.5 + 0.5 * size.sum() + gap, 0.5]]
     velocity = [[0.0, 0.3 * SPEED, 0.0], [0.0, -0.7 * SPEED, 0.0]]
-    return Bodies(np.array([DIAMETER, other]), np.array([2500.0, 1000.0]), np.array(place), np.array(velocity))
+    return Bodies(size, np.array([2500.0, 1000.0]), np.array(place), np.array(velocity))
 
 
 def rebound_ratio(kind: str, bodies: Bodies) -> float:

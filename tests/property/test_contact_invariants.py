@@ -14,7 +14,7 @@ CLOSED = Box((0.045, 0.045, 0.045), (False,) * 3, (True,) * 3)
 
 
 def cloud(seed: int, count: int = 12, middle: float = 0.5) -> Bodies:
-    """Spheres of several sizes on a lattice, rushing to their common centre (there in 15 steps), spinning."""
+    """Spheres of several sizes on a lattice, rushing to their centre (there in 15 steps), spinning."""
     rng = np.random.default_rng(seed)
     cells = np.stack(np.meshgrid(*[np.arange(3)] * 3), -1).reshape(-1, 3)
     cells = cells[rng.permutation(27)[:count]] - 1.0
