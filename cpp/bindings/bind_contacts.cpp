@@ -137,8 +137,8 @@ void lubrication_resistance(const Reals& gap, double inverse, double log, double
     const std::int64_t n = rows(gap);
     const double* g = checked(gap, "gap", {n});
     double* out = checked(resistance, "resistance", {n});
-    for (std::int64_t k = 0; k < n; ++k)
-        out[k] = contacts::lubrication_resistance(g[k], inverse, log, gap_floor, gap_cut);
+    const contacts::Film film{inverse, log, gap_floor, gap_cut};
+    for (std::int64_t k = 0; k < n; ++k) out[k] = film.resistance(g[k]);
 }
 
 }  // namespace

@@ -56,9 +56,10 @@ def test_unequal_spheres_feel_the_same_film_and_a_huge_one_is_a_wall():
     np.testing.assert_allclose(huge, film(0.2).resistance(gap, RADIUS, np.inf), rtol=1e-5)
 
 
-def test_film_is_held_at_the_roughness_and_through_contact():
-    gap = np.array([1e-3, 1e-4, 0.0, -0.1]) * RADIUS
+def test_film_is_held_at_the_roughness_and_ends_at_contact():
+    gap = np.array([1e-3, 1e-4, 1e-9]) * RADIUS
     at = film(0.2, roughness=1e-3).resistance(gap, RADIUS, np.inf)
+    assert np.all(film(0.2).resistance(np.array([0.0, -0.1]), RADIUS, np.inf) == 0.0)
     assert np.all(at == at[0])
     assert at[0] > 0.0
     assert np.all(film(0.2).resistance(np.array([0.2, 1.0]) * RADIUS, RADIUS, np.inf) == 0.0)
@@ -66,7 +67,8 @@ def test_film_is_held_at_the_roughness_and_through_contact():
 
 def ball(gap, velocity):
     place = [[0.5, 0.5, RADIUS + gap]]
-    return Bodies(np.array([2 * RADIUS]), np.array([7800.0]), np.array(place), np.array([[0.0, 0.0, velocity]]))
+    speed = np.array([[0.0, 0.0, velocity]])
+    return Bodies(np.array([2 * RADIUS]), np.array([7800.0]), np.array(place), speed)
 
 
 @pytest.mark.parametrize("dt", [2e-4, 1e-3, 2e-3])

@@ -38,8 +38,8 @@ def kinetic_energy(b: Bodies) -> float:
 
 
 def momenta(b: Bodies) -> tuple[np.ndarray, np.ndarray]:
-    p = b.mass[:, None] * b.velocity
-    return p.sum(0), (np.cross(b.position - 0.5, p) + b.moment_of_inertia[:, None] * b.angular_velocity).sum(0)
+    p, spin = b.mass[:, None] * b.velocity, b.moment_of_inertia[:, None] * b.angular_velocity
+    return p.sum(0), (np.cross(b.position - 0.5, p) + spin).sum(0)
 
 
 seeds = st.integers(0, 2**32 - 1)

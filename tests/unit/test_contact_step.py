@@ -158,7 +158,7 @@ def test_too_much_overlap_is_refused_by_name():
     with pytest.raises(OverlapError) as caught:
         advance(contacts, 5)
     message = str(caught.value)
-    parts = ("body 0 and body 1", "t = 0.000", "10", "% of the diameter", "overlap_limit = 10 %", "2 m/s", "Stiffen")
+    parts = ("body 0 and body 1", "t = 0.000", "% of the diameter", "limit = 10 %", "2 m/s", "Stiffen")
     for part in parts:
         assert part in message
 

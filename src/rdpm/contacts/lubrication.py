@@ -21,8 +21,9 @@ class Lubrication:
 
     :math:`\lambda = 6\pi\mu\,[a_r^2/g + a_i\,g_2(\beta)\ln(1/g)]` with :math:`a_r=a_ia_j/(a_i+a_j)`,
     :math:`\beta=a_j/a_i` and :math:`g_2=\beta(1+7\beta+\beta^2)/(5(1+\beta)^3)`; a wall is
-    :math:`\beta\to\infty`. Below the roughness the resistance is held. Tangential and rotational films,
-    logarithmic only, are left out.
+    :math:`\beta\to\infty`. It is held below the roughness and zero in overlap, where the solids carry
+    the load: the overlap of a softened contact is no film. Tangential and rotational films, logarithmic only,
+    are left out.
 
     Parameters
     ----------
@@ -41,7 +42,8 @@ class Lubrication:
     References
     ----------
     .. [1] Jeffrey, Onishi, J. Fluid Mech. 139 (1984) 261-290, doi:10.1017/S0022112084000355.
-    .. [2] Brenner, Chem. Eng. Sci. 16 (1961) 242-251; Cox, Brenner, Chem. Eng. Sci. 22 (1967) 1753-1777.
+    .. [2] Costa, Boersma, Westerweel, Breugem, Phys. Rev. E 92 (2015) 053012 (held, and off in contact).
+    .. [3] Brenner, Chem. Eng. Sci. 16 (1961) 242-251; Cox, Brenner, Chem. Eng. Sci. 22 (1967) 1753-1777.
 
     Examples
     --------

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <cstdint>
 
+#include "rdpm/contacts/lubrication.hpp"
+
 namespace rdpm::contacts {
 
 // Rows of the arrays that Python fills (contacts/history.py names the same columns).
 struct PairLaw {
     double k_n, eta_n, k_t, eta_t, mu;
-    double lub_inverse, lub_log, gap_floor, gap_cut;  // see lubrication.hpp; zero without lubrication
+    Film film;  // zeros without lubrication
 };
 
 // Ended: the force has vanished, the surfaces still overlap. Doubles, for they live in a row of doubles.

@@ -3,7 +3,6 @@
 #pragma once
 #include <limits>
 
-#include "rdpm/contacts/lubrication.hpp"
 #include "rdpm/contacts/pair.hpp"
 #include "rdpm/contacts/soft_sphere.hpp"
 
@@ -124,8 +123,7 @@ inline bool visit_pair(const BodyArrays& b, const Box& box, const Partners& p, c
     relative_velocity(b, p, g, v, kick);
     for (int d = 0; d < 3; ++d) mid[d] = v[d] - 0.5 * kick[d];
     const double u = dot(v, g.n), u_mid = dot(mid, g.n);
-    const double lambda =
-        lubrication_resistance(-g.overlap, law.lub_inverse, law.lub_log, law.gap_floor, law.gap_cut);
+    const double lambda = law.film.mean_resistance(-g.overlap, 0.5 * h * u_mid);
     const Window w = contact_window(law, plan.zero_force, s.phase, g.overlap, u_mid, h);
     if (w.share() == 0 && lambda == 0 && s.phase == kApart) return false;
 
