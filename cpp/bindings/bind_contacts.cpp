@@ -143,22 +143,28 @@ void lubrication_resistance(const Reals& gap, double inverse, double log, double
 
 }  // namespace
 
+// What is written to must be the caller's own array, never a converted copy: noconvert.
 void bind_contacts(nb::module_& module) {
     module.def("find_pairs", &find_pairs, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
                nb::arg("force"), nb::arg("radius"), nb::arg("inverse_mass"), nb::arg("dt"), nb::arg("margin"),
-               nb::arg("cell_start"), nb::arg("cell_order"), nb::arg("pairs"));
+               nb::arg("cell_start").noconvert(), nb::arg("cell_order").noconvert(),
+               nb::arg("pairs").noconvert());
     module.def("nearest_surfaces", &nearest_surfaces, nb::arg("box"), nb::arg("position"), nb::arg("radius"),
-               nb::arg("cell_start"), nb::arg("cell_order"), nb::arg("gap"), nb::arg("neighbour"));
-    module.def("run_substeps", &run_substeps, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
-               nb::arg("angular_velocity"), nb::arg("turn"), nb::arg("kick"), nb::arg("spin"),
-               nb::arg("inverse_mass"), nb::arg("inverse_moment"), nb::arg("radius"), nb::arg("impulse"),
-               nb::arg("angular_impulse"), nb::arg("contact_impulse"), nb::arg("active"), nb::arg("pairs"),
-               nb::arg("laws"), nb::arg("states"), nb::arg("finished"), nb::arg("time"), nb::arg("h"),
-               nb::arg("overlap_limit"), nb::arg("zero_force"), nb::arg("first"), nb::arg("last"));
-    module.def("end_step", &end_step, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
-               nb::arg("angular_velocity"), nb::arg("orientation"), nb::arg("crossings"), nb::arg("turn"),
-               nb::arg("force"), nb::arg("torque"), nb::arg("inverse_mass"), nb::arg("inverse_moment"),
-               nb::arg("is_active"), nb::arg("dt"));
+               nb::arg("cell_start").noconvert(), nb::arg("cell_order").noconvert(),
+               nb::arg("gap").noconvert(), nb::arg("neighbour").noconvert());
+    module.def("run_substeps", &run_substeps, nb::arg("box"), nb::arg("position").noconvert(),
+               nb::arg("velocity").noconvert(), nb::arg("angular_velocity").noconvert(),
+               nb::arg("turn").noconvert(), nb::arg("kick"), nb::arg("spin"), nb::arg("inverse_mass"),
+               nb::arg("inverse_moment"), nb::arg("radius"), nb::arg("impulse").noconvert(),
+               nb::arg("angular_impulse").noconvert(), nb::arg("contact_impulse").noconvert(),
+               nb::arg("active"), nb::arg("pairs"), nb::arg("laws"), nb::arg("states").noconvert(),
+               nb::arg("finished").noconvert(), nb::arg("time"), nb::arg("h"), nb::arg("overlap_limit"),
+               nb::arg("zero_force"), nb::arg("first"), nb::arg("last"));
+    module.def("end_step", &end_step, nb::arg("box"), nb::arg("position").noconvert(),
+               nb::arg("velocity").noconvert(), nb::arg("angular_velocity").noconvert(),
+               nb::arg("orientation").noconvert(), nb::arg("crossings").noconvert(),
+               nb::arg("turn").noconvert(), nb::arg("force"), nb::arg("torque"), nb::arg("inverse_mass"),
+               nb::arg("inverse_moment"), nb::arg("is_active"), nb::arg("dt"));
     module.def("lubrication_resistance", &lubrication_resistance, nb::arg("gap"), nb::arg("inverse"),
-               nb::arg("log"), nb::arg("gap_floor"), nb::arg("gap_cut"), nb::arg("resistance"));
+               nb::arg("log"), nb::arg("gap_floor"), nb::arg("gap_cut"), nb::arg("resistance").noconvert());
 }

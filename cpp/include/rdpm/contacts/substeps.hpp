@@ -57,19 +57,18 @@ inline Partners partners_of(const BodyArrays& b, const Box& box, std::int64_t i,
     return p;
 }
 
-// Relative velocity of the surfaces at the contact point, and the part of it that this sub-step's kick made.
-inline void relative_velocity(const BodyArrays& b, const Partners& p, const Geometry& g, double* v,
-                              double* kick) {
+// Tangential velocity of the surfaces against each other at the contact point, with half of this sub-step's
+// kick; u_mid is the normal part.
+inline void slip_velocity(const BodyArrays& b, const Partners& p, const Geometry& g, double u_mid,
+                          double* slip) {
     const double *vi = b.v + 3 * p.i, *wi = b.w + 3 * p.i, *ki = b.kick + 3 * p.i, *si = b.spin + 3 * p.i;
-    double roll[3], roll_kick[3];
-    for (int d = 0; d < 3; ++d) {
-        roll[d] = g.lever_i * wi[d] + g.lever_j * p.wj[d];
-        roll_kick[d] = g.lever_i * si[d] + g.lever_j * p.spin_j[d];
-    }
+    double roll[3];
+    for (int d = 0; d < 3; ++d)
+        roll[d] = g.lever_i * (wi[d] - 0.5 * si[d]) + g.lever_j * (p.wj[d] - 0.5 * p.spin_j[d]);
     for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, f = (d + 2) % 3;
-        v[d] = vi[d] - p.vj[d] + roll[e] * g.n[f] - roll[f] * g.n[e];
-        kick[d] = ki[d] - p.kick_j[d] + roll_kick[e] * g.n[f] - roll_kick[f] * g.n[e];
+        slip[d] = vi[d] - p.vj[d] - 0.5 * (ki[d] - p.kick_j[d]) - u_mid * g.n[d] + roll[e] * g.n[f] -
+                  roll[f] * g.n[e];
     }
 }
 
@@ -119,10 +118,12 @@ inline bool visit_pair(const BodyArrays& b, const Box& box, const Partners& p, c
                            ? wall_geometry(box, b.x + 3 * p.i, b.radius[p.i], static_cast<int>(-1 - p.j))
                            : sphere_geometry(box, b.x + 3 * p.i, b.x + 3 * p.j, b.radius[p.i], b.radius[p.j]);
     progress.min_gap = std::min(progress.min_gap, -g.overlap);
-    double v[3], kick[3], mid[3], tangential[3] = {0, 0, 0};
-    relative_velocity(b, p, g, v, kick);
-    for (int d = 0; d < 3; ++d) mid[d] = v[d] - 0.5 * kick[d];
-    const double u = dot(v, g.n), u_mid = dot(mid, g.n);
+    double u = 0, acceleration = 0;  // spins have no part along the normal
+    for (int d = 0; d < 3; ++d) {
+        u += (b.v[3 * p.i + d] - p.vj[d]) * g.n[d];
+        acceleration += (b.kick[3 * p.i + d] - p.kick_j[d]) * g.n[d];
+    }
+    const double u_mid = u - 0.5 * acceleration;
     const double lambda = law.film.mean_resistance(-g.overlap, 0.5 * h * u_mid);
     const Window w = contact_window(law, plan.zero_force, s.phase, g.overlap, u_mid, h);
     if (w.share() == 0 && lambda == 0 && s.phase == kApart) return false;
@@ -131,17 +132,18 @@ inline bool visit_pair(const BodyArrays& b, const Box& box, const Partners& p, c
     const NormalImpulse normal = normal_impulse(law, w, plan.zero_force, lambda, inverse_mass, u, u_mid, h);
     const double change = (normal.contact + normal.lubrication) * inverse_mass;
     double work = -normal.contact * (u_mid - 0.5 * change);
+    double tangential[3] = {0, 0, 0};
     if (law.mu > 0 && w.share() > 0) {
         const double inverse_tangential = inverse_mass + g.lever_i * g.lever_i * p.inverse_moment_i +
                                           g.lever_j * g.lever_j * p.inverse_moment_j;
-        for (int d = 0; d < 3; ++d) mid[d] -= u_mid * g.n[d];
-        tangential_impulse(law, g.n, mid, inverse_tangential, h * w.share(), normal.contact, s.xi,
+        double slip[3];
+        slip_velocity(b, p, g, u_mid, slip);
+        tangential_impulse(law, g.n, slip, inverse_tangential, h * w.share(), normal.contact, s.xi,
                            tangential);
-        work -= dot(tangential, mid) - 0.5 * inverse_tangential * dot(tangential, tangential);
+        work -= dot(tangential, slip) - 0.5 * inverse_tangential * dot(tangential, tangential);
     }
     apply(b, p, g, normal, tangential);
 
-    const double acceleration = dot(kick, g.n);
     remember(s, w, t, h, u_mid + (w.from - 0.5) * acceleration, u - change - (1 - w.to) * acceleration);
     if (s.phase == kApart) return false;
     s.work += work;
