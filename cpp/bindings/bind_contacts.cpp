@@ -1,4 +1,5 @@
-// Contacts: neighbours, sub-steps, the end of a step. Python owns every array; rooms of scratch come from there too.
+// Contacts: neighbours, sub-steps, the end of a step. Python owns every array; rooms of scratch come from
+// there too.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/tuple.h>
 
@@ -53,7 +54,8 @@ std::int64_t find_pairs(const Reals& box, const Reals& position, const Reals& ve
 }
 
 void nearest_surfaces(const Reals& box, const Reals& position, const Reals& radius, const Ints& cell_start,
-                      const Ints& cell_order, const Array<double>& gap, const Array<std::int64_t>& neighbour) {
+                      const Ints& cell_order, const Array<double>& gap,
+                      const Array<std::int64_t>& neighbour) {
     const std::int64_t n = rows(position);
     const contacts::Box b = make_box(box);
     const double *x = checked(position, "position", {n, 3}), *a = checked(radius, "radius", {n});
@@ -69,10 +71,10 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
     const Reals& box, const Array<double>& position, const Array<double>& velocity,
     const Array<double>& angular_velocity, const Array<double>& turn, const Reals& kick, const Reals& spin,
     const Reals& inverse_mass, const Reals& inverse_moment, const Reals& radius, const Array<double>& impulse,
-    const Array<double>& angular_impulse, const Array<double>& contact_impulse, const Array<const std::int32_t>& active,
-    const Array<const std::int32_t>& pairs, const Reals& laws, const Array<double>& states,
-    const Array<double>& finished, double time, double h, double overlap_limit, bool zero_force, std::int64_t first,
-    std::int64_t last) {
+    const Array<double>& angular_impulse, const Array<double>& contact_impulse,
+    const Array<const std::int32_t>& active, const Array<const std::int32_t>& pairs, const Reals& laws,
+    const Array<double>& states, const Array<double>& finished, double time, double h, double overlap_limit,
+    bool zero_force, std::int64_t first, std::int64_t last) {
     const auto n = static_cast<std::int64_t>(position.ndim() > 0 ? position.shape(0) : 0);
     const auto m = static_cast<std::int64_t>(pairs.ndim() > 0 ? pairs.shape(0) : 0);
     const contacts::Box b = make_box(box);
@@ -101,22 +103,26 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
     const contacts::SubstepPlan plan{
         time, h, overlap_limit, zero_force, first, last, static_cast<std::int64_t>(finished.shape(0))};
     nb::gil_scoped_release unlocked;
-    const contacts::Progress p = contacts::run_substeps(bodies, b, ids, actives, ij, law, state, m, done, plan);
+    const contacts::Progress p =
+        contacts::run_substeps(bodies, b, ids, actives, ij, law, state, m, done, plan);
     return {p.next, p.finished, p.failed, p.min_gap, p.max_overlap};
 }
 
 void end_step(const Reals& box, const Array<double>& position, const Array<double>& velocity,
               const Array<double>& angular_velocity, const Array<double>& orientation,
-              const Array<std::int64_t>& crossings, const Array<double>& turn, const Reals& force, const Reals& torque,
-              const Reals& inverse_mass, const Reals& inverse_moment, const Array<const bool>& is_active, double dt) {
+              const Array<std::int64_t>& crossings, const Array<double>& turn, const Reals& force,
+              const Reals& torque, const Reals& inverse_mass, const Reals& inverse_moment,
+              const Array<const bool>& is_active, double dt) {
     const auto n = static_cast<std::int64_t>(position.ndim() > 0 ? position.shape(0) : 0);
     const contacts::Box b = make_box(box);
     double *x = checked(position, "position", {n, 3}), *v = checked(velocity, "velocity", {n, 3});
-    double *w = checked(angular_velocity, "angular_velocity", {n, 3}), *q = checked(orientation, "orientation", {n, 4});
+    double *w = checked(angular_velocity, "angular_velocity", {n, 3}),
+           *q = checked(orientation, "orientation", {n, 4});
     std::int64_t* crossed = checked(crossings, "crossings", {n, 3});
     double* r = checked(turn, "turn", {n, 3});
     const double *f = checked(force, "force", {n, 3}), *t = checked(torque, "torque", {n, 3});
-    const double *m = checked(inverse_mass, "inverse_mass", {n}), *i = checked(inverse_moment, "inverse_moment", {n});
+    const double *m = checked(inverse_mass, "inverse_mass", {n}),
+                 *i = checked(inverse_moment, "inverse_moment", {n});
     const bool* moved = checked(is_active, "is_active", {n});
     nb::gil_scoped_release unlocked;
     for (std::int64_t k = 0; k < n; ++k) {
@@ -131,28 +137,34 @@ void lubrication_resistance(const Reals& gap, double inverse, double log, double
     const std::int64_t n = rows(gap);
     const double* g = checked(gap, "gap", {n});
     double* out = checked(resistance, "resistance", {n});
-    for (std::int64_t k = 0; k < n; ++k)
-        out[k] = contacts::lubrication_resistance(g[k], inverse, log, gap_floor, gap_cut);
+    const contacts::Film film{inverse, log, gap_floor, gap_cut};
+    for (std::int64_t k = 0; k < n; ++k) out[k] = film.resistance(g[k]);
 }
 
 }  // namespace
 
+// What is written to must be the caller's own array, never a converted copy: noconvert.
 void bind_contacts(nb::module_& module) {
-    module.def("find_pairs", &find_pairs, nb::arg("box"), nb::arg("position"), nb::arg("velocity"), nb::arg("force"),
-               nb::arg("radius"), nb::arg("inverse_mass"), nb::arg("dt"), nb::arg("margin"), nb::arg("cell_start"),
-               nb::arg("cell_order"), nb::arg("pairs"));
+    module.def("find_pairs", &find_pairs, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
+               nb::arg("force"), nb::arg("radius"), nb::arg("inverse_mass"), nb::arg("dt"), nb::arg("margin"),
+               nb::arg("cell_start").noconvert(), nb::arg("cell_order").noconvert(),
+               nb::arg("pairs").noconvert());
     module.def("nearest_surfaces", &nearest_surfaces, nb::arg("box"), nb::arg("position"), nb::arg("radius"),
-               nb::arg("cell_start"), nb::arg("cell_order"), nb::arg("gap"), nb::arg("neighbour"));
-    module.def("run_substeps", &run_substeps, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
-               nb::arg("angular_velocity"), nb::arg("turn"), nb::arg("kick"), nb::arg("spin"), nb::arg("inverse_mass"),
-               nb::arg("inverse_moment"), nb::arg("radius"), nb::arg("impulse"), nb::arg("angular_impulse"),
-               nb::arg("contact_impulse"), nb::arg("active"), nb::arg("pairs"), nb::arg("laws"), nb::arg("states"),
-               nb::arg("finished"), nb::arg("time"), nb::arg("h"), nb::arg("overlap_limit"), nb::arg("zero_force"),
-               nb::arg("first"), nb::arg("last"));
-    module.def("end_step", &end_step, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
-               nb::arg("angular_velocity"), nb::arg("orientation"), nb::arg("crossings"), nb::arg("turn"),
-               nb::arg("force"), nb::arg("torque"), nb::arg("inverse_mass"), nb::arg("inverse_moment"),
-               nb::arg("is_active"), nb::arg("dt"));
-    module.def("lubrication_resistance", &lubrication_resistance, nb::arg("gap"), nb::arg("inverse"), nb::arg("log"),
-               nb::arg("gap_floor"), nb::arg("gap_cut"), nb::arg("resistance"));
+               nb::arg("cell_start").noconvert(), nb::arg("cell_order").noconvert(),
+               nb::arg("gap").noconvert(), nb::arg("neighbour").noconvert());
+    module.def("run_substeps", &run_substeps, nb::arg("box"), nb::arg("position").noconvert(),
+               nb::arg("velocity").noconvert(), nb::arg("angular_velocity").noconvert(),
+               nb::arg("turn").noconvert(), nb::arg("kick"), nb::arg("spin"), nb::arg("inverse_mass"),
+               nb::arg("inverse_moment"), nb::arg("radius"), nb::arg("impulse").noconvert(),
+               nb::arg("angular_impulse").noconvert(), nb::arg("contact_impulse").noconvert(),
+               nb::arg("active"), nb::arg("pairs"), nb::arg("laws"), nb::arg("states").noconvert(),
+               nb::arg("finished").noconvert(), nb::arg("time"), nb::arg("h"), nb::arg("overlap_limit"),
+               nb::arg("zero_force"), nb::arg("first"), nb::arg("last"));
+    module.def("end_step", &end_step, nb::arg("box"), nb::arg("position").noconvert(),
+               nb::arg("velocity").noconvert(), nb::arg("angular_velocity").noconvert(),
+               nb::arg("orientation").noconvert(), nb::arg("crossings").noconvert(),
+               nb::arg("turn").noconvert(), nb::arg("force"), nb::arg("torque"), nb::arg("inverse_mass"),
+               nb::arg("inverse_moment"), nb::arg("is_active"), nb::arg("dt"));
+    module.def("lubrication_resistance", &lubrication_resistance, nb::arg("gap"), nb::arg("inverse"),
+               nb::arg("log"), nb::arg("gap_floor"), nb::arg("gap_cut"), nb::arg("resistance").noconvert());
 }

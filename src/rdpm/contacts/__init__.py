@@ -1,7 +1,7 @@
 """Contacts: bodies that touch bodies and walls, resolved in sub-steps of the time step.
 
-Start with ``law.py`` (what a contact law is), ``soft_sphere.py`` (the linear spring-dashpot) and ``substeps.py``
-(the motion over one time step).
+Start with ``law.py`` (what a contact law is), ``soft_sphere.py`` (the linear spring-dashpot) and
+``substeps.py`` (the motion over one time step).
 """
 
 from rdpm.contacts.episodes import EPISODE

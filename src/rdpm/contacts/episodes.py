@@ -23,13 +23,15 @@ EPISODE = np.dtype(
 )  # fmt: skip
 r"""A contact.
 
-``i``, ``j`` (-1..-6: a side of the box), ``kind`` ("sphere-sphere" or "sphere-wall"); ``start_s`` of the touch;
-``duration_s`` from the touch until the force vanished for the last time before the surfaces parted; ``steps``, that
-over the time step; ``max_overlap_fraction`` of the smaller diameter; normal speeds of approach at the touch and of
-rebound at the end; ``restitution``, their ratio (nan where the bodies did not meet with a speed, or were still in
-touch); ``stokes_number`` :math:`m_{ij}v/(6\pi\mu a_r^2)=\rho_{eff}v\,d_{eff}/(9\mu)` with :math:`d_{eff}=2a_r`,
-:math:`a_r=a_ia_j/(a_i+a_j)` (the body's radius against a wall) and :math:`\rho_{eff}=m_{ij}/(\tfrac43\pi a_r^3)`,
-nan when dry; ``work_J`` of the contact force on the pair, friction included.
+``i``, ``j`` (-1..-6: a side of the box), ``kind`` ("sphere-sphere" or "sphere-wall"); ``start_s`` of the
+touch; ``duration_s`` from the touch until the force vanished for the last time before the surfaces parted;
+``steps``, that over the time step; ``max_overlap_fraction`` of the smaller diameter; normal speeds of
+approach at the touch and of rebound at the end; ``restitution``, their ratio (nan where the bodies did not
+meet with a speed, or were still in touch); ``stokes_number``
+:math:`m_{ij}v/(6\pi\mu a_r^2)=\rho_{eff}v\,d_{eff}/(9\mu)` with :math:`d_{eff}=2a_r`,
+:math:`a_r=a_ia_j/(a_i+a_j)` (the body's radius against a wall) and
+:math:`\rho_{eff}=m_{ij}/(\tfrac43\pi a_r^3)`, nan when dry; ``work_J`` of the contact force on the pair,
+friction included.
 """
 
 # The kernel's struct (substeps.hpp), a column a member.

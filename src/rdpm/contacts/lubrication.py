@@ -17,11 +17,13 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Lubrication:
-    r"""Resistance :math:`\lambda(g)-\lambda(g_{cut})` to the normal relative velocity, zero beyond the cut-off.
+    r"""Resistance :math:`\lambda(g)-\lambda(g_{cut})` to the normal velocity, zero beyond the cut-off.
 
     :math:`\lambda = 6\pi\mu\,[a_r^2/g + a_i\,g_2(\beta)\ln(1/g)]` with :math:`a_r=a_ia_j/(a_i+a_j)`,
-    :math:`\beta=a_j/a_i` and :math:`g_2=\beta(1+7\beta+\beta^2)/(5(1+\beta)^3)`; a wall is :math:`\beta\to\infty`.
-    Below the roughness the resistance is held. Tangential and rotational films, logarithmic only, are left out.
+    :math:`\beta=a_j/a_i` and :math:`g_2=\beta(1+7\beta+\beta^2)/(5(1+\beta)^3)`; a wall is
+    :math:`\beta\to\infty`. It is held below the roughness and zero in overlap, where the solids carry
+    the load: the overlap of a softened contact is no film. Tangential and rotational films, logarithmic only,
+    are left out.
 
     Parameters
     ----------
@@ -39,14 +41,15 @@ class Lubrication:
 
     References
     ----------
-    .. [1] Jeffrey, Onishi, J. Fluid Mech. 139 (1984) 261-290, doi:10.1017/S0022112084000355 (X^A, near contact).
-    .. [2] Brenner, Chem. Eng. Sci. 16 (1961) 242-251; Cox, Brenner, Chem. Eng. Sci. 22 (1967) 1753-1777 (wall).
+    .. [1] Jeffrey, Onishi, J. Fluid Mech. 139 (1984) 261-290, doi:10.1017/S0022112084000355.
+    .. [2] Costa, Boersma, Westerweel, Breugem, Phys. Rev. E 92 (2015) 053012 (held, and off in contact).
+    .. [3] Brenner, Chem. Eng. Sci. 16 (1961) 242-251; Cox, Brenner, Chem. Eng. Sci. 22 (1967) 1753-1777.
 
     Examples
     --------
     >>> film = Lubrication(viscosity=0.1, cutoff_gap=1e-3)
     >>> a = 7.5e-3
-    >>> round(film.resistance(np.array([1e-4]), a, np.inf)[0] / (6 * np.pi * 0.1 * a), 2)   # against a wall
+    >>> round(float(film.resistance(np.array([1e-4]), a, np.inf)[0] / (6 * np.pi * 0.1 * a)), 2)   # a wall
     67.96
     """
 
@@ -58,7 +61,8 @@ class Lubrication:
         for name, upper in (("viscosity", np.inf), ("cutoff_gap", np.inf), ("roughness", 0.1)):
             value = getattr(self, name)
             if not (0.0 < value <= upper and value < np.inf):
-                rule = "must be a finite number above 0" + (f" and at most {upper:g}" if upper < np.inf else "")
+                bound = f" and at most {upper:g}" if upper < np.inf else ""
+                rule = "must be a finite number above 0" + bound
                 raise CaseError(f"lubrication.{name}", value, rule, cure="Correct this value.")
 
     def coefficients(self, radius_i: Floats, radius_j: Floats) -> tuple[Floats, Floats, Floats]:

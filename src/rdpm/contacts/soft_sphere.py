@@ -50,7 +50,7 @@ class SoftSphere:
     --------
     >>> law = SoftSphere.from_contact_time(restitution=0.5, contact_time=8e-3)
     >>> pair = law.parameters(np.array([1e-3, 2e-3]), np.array([0.015, 0.015]))
-    >>> pair.normal_stiffness[1] / pair.normal_stiffness[0]   # the same duration for every pair
+    >>> float(pair.normal_stiffness[1] / pair.normal_stiffness[0])   # the same duration for every pair
     2.0
     """
 
@@ -64,10 +64,9 @@ class SoftSphere:
         for name in ("friction", "tangential_ratio"):
             value = getattr(self, name)
             if not (0.0 <= value < np.inf):
-                raise CaseError(
-                    f"contact.{name}", value, "must be a finite number of at least 0", cure="Correct this value."
-                )
-        self.normal(np.ones(1), np.ones(1))  # an argument out of range is refused here, not at the first contact
+                rule = "must be a finite number of at least 0"
+                raise CaseError(f"contact.{name}", value, rule, cure="Correct this value.")
+        self.normal(np.ones(1), np.ones(1))  # what is out of range is refused here, not at the first contact
 
     @classmethod
     def from_contact_time(
@@ -197,9 +196,9 @@ class SoftSphere:
         return PairParameters(k_n, eta_n, k_t, eta_t, np.full(k_n.shape, float(self.friction)))
 
     def time_scale(self, reduced_mass: Floats, diameter: Floats) -> Floats:
-        r"""Contact duration; where it is long or undefined, the spring's half period and the dashpot's decay count.
+        r"""Contact duration; where it is long or undefined, the spring's half period and the decay count.
 
-        The decay time of strong damping, :math:`2\pi m_{ij}/\eta_n`, equals the half period at :math:`\zeta=1`.
+        The decay time of strong damping, :math:`2\pi m_{ij}/\eta_n`, is the half period at :math:`\zeta=1`.
         """
         k_n, eta_n = self.normal(reduced_mass, diameter)
         scale = np.minimum(

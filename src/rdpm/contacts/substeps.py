@@ -59,9 +59,9 @@ class ContactStep:
 class Contacts:
     r"""Contacts of a set of bodies, their history and their episodes.
 
-    Each sub-step drifts the bodies by half, adds what the outer forces give, visits the pairs in order of their ids
-    (odd sub-steps backwards), applies each impulse at once, and drifts the other half. Touch and end of a contact are
-    located inside the sub-step.
+    Each sub-step drifts the bodies by half, adds what the outer forces give, visits the pairs in order of
+    their ids (odd sub-steps backwards), applies each impulse at once, and drifts the other half. Touch and
+    end of a contact are located inside the sub-step.
 
     Parameters
     ----------
@@ -116,7 +116,8 @@ class Contacts:
             raise CaseError("contact.substeps", substeps_per_contact, "must be at least 10",
                             "touch and end are not resolved", "Raise it.")  # fmt: skip
         if not 0.0 < overlap_limit < 1.0:
-            raise CaseError("contact.overlap_limit", overlap_limit, "must be in 0 < limit < 1", cure="Correct it.")
+            rule = "must be in 0 < limit < 1"
+            raise CaseError("contact.overlap_limit", overlap_limit, rule, cure="Correct this value.")
         self.bodies, self.box, self.law, self.lubrication = bodies, box, law, lubrication
         self.substeps_per_contact, self.overlap_limit = substeps_per_contact, overlap_limit
         self._neighbours, self._history = Neighbours(bodies, box), History(len(bodies))
@@ -136,7 +137,7 @@ class Contacts:
     ) -> ContactStep:
         """Change the bodies' state from ``time`` to ``time + dt``.
 
-        Positions are wrapped into periodic directions. A body of prescribed motion keeps its velocity over the step.
+        Positions are wrapped into periodic directions. A body of prescribed motion keeps its velocity.
 
         Parameters
         ----------
@@ -145,8 +146,8 @@ class Contacts:
         force, torque : ndarray, (N, 3), [N], [N m]
             On each body, held over the step; gravity included.
         inertia, moment : ndarray, (N,), [kg], [kg m^2], optional
-            Taken instead of the bodies' mass and moment of inertia, to move them; the pairs' stiffness and damping
-            follow from the mass all the same.
+            Taken instead of the bodies' mass and moment of inertia, to move them; the pairs' stiffness and
+            damping follow from the mass all the same.
 
         Returns
         -------
@@ -162,7 +163,8 @@ class Contacts:
         free = b.is_free
         inverse_mass = free / (b.mass if inertia is None else inertia)
         inverse_moment = free / (b.moment_of_inertia if moment is None else moment)
-        margin = 2.0 * self._history.largest_overlap + (self.lubrication.cutoff_gap if self.lubrication else 0.0)
+        film = self.lubrication.cutoff_gap if self.lubrication else 0.0
+        margin = film + 2.0 * self._history.largest_overlap  # a spring under load may throw its bodies apart
         pairs = self._neighbours.pairs(force, inverse_mass, dt, margin)
         step = ContactStep(*np.zeros((3, n, 3)))
         turn, is_active = np.zeros((n, 3)), np.zeros(n, np.bool_)
@@ -204,9 +206,9 @@ class Contacts:
         while at < step.substeps:
             at, count, failed, min_gap, max_overlap = _core.run_substeps(
                 self.box.table, b.position, b.velocity, b.angular_velocity, turn, kick, spin, *inverse,
-                self._neighbours.radius, step.impulse, step.angular_impulse, step.contact_impulse, active, pairs,
-                self._laws, states, finished, time, h, self.overlap_limit, self.law.ending == "zero-force",
-                at, step.substeps,
+                self._neighbours.radius, step.impulse, step.angular_impulse, step.contact_impulse, active,
+                pairs, self._laws, states, finished, time, h, self.overlap_limit,
+                self.law.ending == "zero-force", at, step.substeps,
             )  # fmt: skip
             step.min_gap = min(step.min_gap, min_gap)
             step.max_overlap_fraction = max(step.max_overlap_fraction, max_overlap)

@@ -19,8 +19,8 @@ SIDES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
 class Box:
     """Six sides from the origin to ``size``.
 
-    A direction that is neither periodic nor walled (free slip) holds the bodies too: its sides push like walls,
-    but without friction and without a lubricating film.
+    A direction that is neither periodic nor walled (free slip) holds the bodies too: its sides push like
+    walls, but without friction and without a lubricating film.
 
     Parameters
     ----------
@@ -57,19 +57,19 @@ class Box:
     def __post_init__(self) -> None:
         for axis, name in enumerate("xyz"):
             if not (0.0 < self.size[axis] < np.inf):
-                raise CaseError(f"domain.size[{axis}]", self.size[axis], "must be above 0", cure="Correct this value.")
+                rule, cure = "must be above 0", "Correct this value."
+                raise CaseError(f"domain.size[{axis}]", self.size[axis], rule, cure=cure)
             if self.periodic[axis] and self.has_wall[axis]:
-                raise CaseError(
-                    f"domain.boundary.{name}", None, "cannot be periodic and walled", cure="Choose one of the two."
-                )
+                rule, cure = "cannot be periodic and walled", "Choose one of the two."
+                raise CaseError(f"domain.boundary.{name}", None, rule, cure=cure)
         speed = np.array(self.wall_velocity, dtype=np.float64).reshape(6, 3)
         along = speed[np.arange(6), np.arange(6) // 2]
         if np.any(along != 0.0):
             side = SIDES[int(np.flatnonzero(along)[0])]
-            raise CaseError(
-                f"domain.wall_velocity.{side}", along[along != 0.0][0], "must have no part along the wall's normal",
-                "the box keeps its size", "Give the tangential components only.",
-            )  # fmt: skip
+            rule = "must have no part along the wall's normal"
+            cure = "Give the tangential components only."
+            found = along[along != 0.0][0]
+            raise CaseError(f"domain.wall_velocity.{side}", found, rule, "the box keeps its size", cure)
         period = np.where(self.periodic, self.size, 0.0)
         object.__setattr__(self, "table", np.vstack([self.size, period, speed]))
 

@@ -5,12 +5,32 @@
 
 namespace rdpm::contacts {
 
-// lambda(gap) - lambda(gap_cut) with lambda = inverse/gap + log*ln(1/gap) [N s/m]; zero beyond gap_cut, held below
-// gap_floor (the roughness), so that it is defined through contact.
-inline double lubrication_resistance(double gap, double inverse, double log, double gap_floor, double gap_cut) {
-    const double g = std::max(gap, gap_floor);
-    if (!(g < gap_cut)) return 0;
-    return inverse * (1 / g - 1 / gap_cut) + log * std::log(gap_cut / g);
-}
+// lambda(gap) - lambda(gap_cut) with lambda = inverse/gap + log*ln(1/gap) [N s/m]; zero beyond gap_cut.
+// Held below gap_floor (the roughness); zero in overlap, where the solids carry the load and the film keeps
+// its thickness: a soft contact's overlap is no film's flow, and would lose all of a rebound in it.
+struct Film {
+    double inverse, log, gap_floor, gap_cut;
+
+    double resistance(double gap) const {
+        const double g = std::max(gap, gap_floor);
+        if (gap <= 0 || !(g < gap_cut)) return 0;
+        return inverse * (1 / g - 1 / gap_cut) + log * std::log(gap_cut / g);
+    }
+
+    // Mean over a path of gaps: the impulse of a film that is crossed in few sub-steps does not depend on
+    // where these fall.
+    double mean_resistance(double gap, double half_path) const {
+        const double low = gap - std::abs(half_path), high = gap + std::abs(half_path);
+        if (high <= 0 || low >= gap_cut || gap_floor >= gap_cut) return 0;
+        const double length = high - low;
+        if (length < 1e-3 * gap) return resistance(gap);
+        const double from = std::clamp(low, gap_floor, gap_cut), to = std::clamp(high, gap_floor, gap_cut);
+        const double held = std::min(high, gap_floor) - std::max(low, 0.0);
+        double impulse = held > 0 ? held * resistance(gap_floor) : 0;
+        impulse += inverse * (std::log(to / from) - (to - from) / gap_cut);
+        impulse += log * (to - from) * std::log(2 * gap_cut / (from + to));
+        return impulse / length;
+    }
+};
 
 }  // namespace rdpm::contacts

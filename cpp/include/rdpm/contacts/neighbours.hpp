@@ -46,8 +46,10 @@ inline CellList sort_into_cells(const Box& box, const double* x, std::int64_t bo
     std::fill(start, start + total + 1, 0);
     for (std::int64_t b = 0; b < bodies; ++b) ++start[cells.cell_of(x + 3 * b) + 1];
     for (std::int64_t c = 0; c < total; ++c) start[c + 1] += start[c];
-    // Filled from behind, so that a cell's own entries of `start` serve as its cursor and end where they began.
-    for (std::int64_t b = bodies - 1; b >= 0; --b) order[--start[cells.cell_of(x + 3 * b) + 1]] = static_cast<std::int32_t>(b);
+    // Filled from behind, so that a cell's own entries of `start` serve as its cursor and end where they
+    // began.
+    for (std::int64_t b = bodies - 1; b >= 0; --b)
+        order[--start[cells.cell_of(x + 3 * b) + 1]] = static_cast<std::int32_t>(b);
     for (std::int64_t c = 0; c < total; ++c) start[c] = start[c + 1];
     start[total] = static_cast<std::int32_t>(bodies);
     return cells;
@@ -84,22 +86,26 @@ inline double sphere_gap(const Box& box, const double* xi, const double* xj, dou
     return std::sqrt(dot(r, r)) - ai - aj;
 }
 
-// What the bodies may travel towards each other in dt: collisions may double a speed, so each is given twice the
-// fastest.
-inline double travel(const double* v, const double* force, const double* inverse_mass, std::int64_t bodies, double dt) {
+// What the bodies may travel towards each other in dt: collisions may double a speed, so each is given twice
+// the fastest.
+inline double travel(const double* v, const double* force, const double* inverse_mass, std::int64_t bodies,
+                     double dt) {
     double speed = 0, acceleration = 0;
     for (std::int64_t b = 0; b < bodies; ++b) {
         speed = std::max(speed, dot(v + 3 * b, v + 3 * b));
-        acceleration = std::max(acceleration, dot(force + 3 * b, force + 3 * b) * inverse_mass[b] * inverse_mass[b]);
+        acceleration =
+            std::max(acceleration, dot(force + 3 * b, force + 3 * b) * inverse_mass[b] * inverse_mass[b]);
     }
     return 4 * dt * (std::sqrt(speed) + 0.5 * dt * std::sqrt(acceleration));
 }
 
-// Pairs with a gap of at most `reach`, sorted by (i, j), i < j; walls are j = -1 - side, those of a body before its
-// spheres. Pairs in which neither can move are left out. Writes at most `capacity`, returns how many there are.
-inline std::int64_t find_pairs(const Box& box, const double* x, const double* radius, const double* inverse_mass,
-                               std::int64_t bodies, double reach, std::int32_t* start, std::int32_t* order,
-                               std::int32_t* pairs, std::int64_t capacity) {
+// Pairs with a gap of at most `reach`, sorted by (i, j), i < j; walls are j = -1 - side, those of a body
+// before its spheres. Pairs in which neither can move are left out. Writes at most `capacity`, returns how
+// many there are.
+inline std::int64_t find_pairs(const Box& box, const double* x, const double* radius,
+                               const double* inverse_mass, std::int64_t bodies, double reach,
+                               std::int32_t* start, std::int32_t* order, std::int32_t* pairs,
+                               std::int64_t capacity) {
     double largest = 0;
     for (std::int64_t b = 0; b < bodies; ++b) largest = std::max(largest, radius[b]);
     const CellList cells = sort_into_cells(box, x, bodies, 2 * largest + reach, start, order);
@@ -114,7 +120,8 @@ inline std::int64_t find_pairs(const Box& box, const double* x, const double* ra
             ++found;
         };
         for (int side = 5; side >= 0 && inverse_mass[i] > 0; --side)
-            if (!cells.is_periodic[side / 2] && wall_distance(box, xi, side) - radius[i] <= reach) add(-1 - side);
+            if (!cells.is_periodic[side / 2] && wall_distance(box, xi, side) - radius[i] <= reach)
+                add(-1 - side);
         const std::int64_t first = found;
         for_each_near(cells, xi, 1, [&](std::int32_t j) {
             if (j <= i || inverse_mass[i] + inverse_mass[j] == 0) return;

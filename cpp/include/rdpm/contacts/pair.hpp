@@ -4,12 +4,14 @@
 #include <cmath>
 #include <cstdint>
 
+#include "rdpm/contacts/lubrication.hpp"
+
 namespace rdpm::contacts {
 
 // Rows of the arrays that Python fills (contacts/history.py names the same columns).
 struct PairLaw {
     double k_n, eta_n, k_t, eta_t, mu;
-    double lub_inverse, lub_log, gap_floor, gap_cut;  // see lubrication.hpp; zero without lubrication
+    Film film;  // zeros without lubrication
 };
 
 // Ended: the force has vanished, the surfaces still overlap. Doubles, for they live in a row of doubles.
@@ -26,8 +28,8 @@ struct Box {
     const double* wall_velocity;          // (6, 3)
 };
 
-// Geometry of a pair: the normal points from i to j, overlap > 0 in contact; the levers reach from the centres
-// to the contact point and add up to the distance, so that angular momentum is conserved.
+// Geometry of a pair: the normal points from i to j, overlap > 0 in contact; the levers reach from the
+// centres to the contact point and add up to the distance, so that angular momentum is conserved.
 struct Geometry {
     double n[3];
     double overlap, lever_i, lever_j;

@@ -12,7 +12,8 @@ struct Window {
 };
 
 // Entry and exit are located on the straight line overlap_mid + u (t - h/2).
-// zero_force: the force acts while k_n overlap + eta_n u > 0; else until the overlap is zero, attraction allowed.
+// zero_force: the force acts while k_n overlap + eta_n u > 0; else until the overlap is zero, attraction
+// allowed.
 inline Window contact_window(const PairLaw& law, bool zero_force, double phase, double overlap_mid, double u,
                              double h) {
     const double first = overlap_mid - 0.5 * u * h, last = overlap_mid + 0.5 * u * h;
@@ -37,25 +38,26 @@ struct NormalImpulse {
     double contact, lubrication;
 };
 
-// The dashpot is taken at the mean velocity (implicit midpoint), the film at the velocity after the impulse: stable
-// whatever lambda h / m. u holds all of the sub-step's outer acceleration, u_mid half of it, so that a body at rest
-// under its weight has exactly its static overlap and one that sinks through a film exactly the speed F/lambda.
+// The dashpot is taken at the mean velocity (implicit midpoint), the film at the velocity after the impulse:
+// stable whatever lambda h / m. u holds all of the sub-step's outer acceleration, u_mid half of it, so that a
+// body at rest under its weight has exactly its static overlap and one that sinks through a film exactly the
+// speed F/lambda.
 inline NormalImpulse normal_impulse(const PairLaw& law, const Window& w, bool zero_force, double lambda,
                                     double inverse_mass, double u, double u_mid, double h) {
     const double hw = h * w.share();
     const double film = h * lambda * inverse_mass;
     const double spring = hw * law.k_n * w.overlap;
-    const double all = (spring + hw * law.eta_n * u_mid + h * lambda * u) /
-                       (1 + 0.5 * hw * law.eta_n * inverse_mass + film);
+    const double all =
+        (spring + hw * law.eta_n * u_mid + h * lambda * u) / (1 + 0.5 * hw * law.eta_n * inverse_mass + film);
     double contact = spring + hw * law.eta_n * (u_mid - 0.5 * all * inverse_mass);
     if (hw == 0 || (zero_force && contact < 0)) contact = 0;
     return {contact, h * lambda * (u - contact * inverse_mass) / (1 + film)};
 }
 
-// Tangential spring, dashpot and Coulomb limit. v is the surfaces' relative velocity in the tangent plane; xi is
-// carried to the end of the sub-step. Returns whether the surfaces slide.
-inline bool tangential_impulse(const PairLaw& law, const double* n, const double* v, double inverse_mass, double hw,
-                               double normal, double* xi, double* impulse) {
+// Tangential spring, dashpot and Coulomb limit. v is the surfaces' relative velocity in the tangent plane; xi
+// is carried to the end of the sub-step. Returns whether the surfaces slide.
+inline bool tangential_impulse(const PairLaw& law, const double* n, const double* v, double inverse_mass,
+                               double hw, double normal, double* xi, double* impulse) {
     // The spring turns with the pair: back into the tangent plane, its length kept.
     const double along = dot(xi, n), length = std::sqrt(dot(xi, xi));
     double plane[3], mid[3];

@@ -1,18 +1,18 @@
-// Bodies and pairs over the sub-steps of one step: drift, kick, drift; the pairs in fixed order, each impulse at once.
+// Bodies and pairs over the sub-steps of one step: drift, kick, drift; the pairs in fixed order, each impulse
+// at once.
 #pragma once
 #include <limits>
 
-#include "rdpm/contacts/lubrication.hpp"
 #include "rdpm/contacts/pair.hpp"
 #include "rdpm/contacts/soft_sphere.hpp"
 
 namespace rdpm::contacts {
 
 struct BodyArrays {
-    double *x, *v, *w, *turn;                               // (N, 3); turn: rotation vector since the step began
-    const double *kick, *spin;                              // (N, 3): what force and torque add in one sub-step
-    const double *inverse_mass, *inverse_moment, *radius;   // (N,); zero inverses hold a prescribed motion
-    double *impulse, *angular_impulse, *contact_impulse;    // (N, 3), added to
+    double *x, *v, *w, *turn;   // (N, 3); turn: rotation vector since the step began
+    const double *kick, *spin;  // (N, 3): what force and torque add in one sub-step
+    const double *inverse_mass, *inverse_moment, *radius;  // (N,); zero inverses hold a prescribed motion
+    double *impulse, *angular_impulse, *contact_impulse;   // (N, 3), added to
 };
 
 // One finished contact (contacts/episodes.py names the same columns).
@@ -41,7 +41,8 @@ struct Partners {
 
 inline Partners partners_of(const BodyArrays& b, const Box& box, std::int64_t i, std::int64_t j) {
     static constexpr double none[3] = {0, 0, 0};
-    Partners p{i, j, b.inverse_mass[i], 0, b.inverse_moment[i], 0, 2 * b.radius[i], nullptr, none, none, none};
+    Partners p{i,    j,   b.inverse_mass[i], 0, b.inverse_moment[i], 0, 2 * b.radius[i], nullptr, none,
+               none, none};
     if (j < 0) {
         p.vj = box.wall_velocity + 3 * (-1 - j);
     } else {
@@ -56,18 +57,18 @@ inline Partners partners_of(const BodyArrays& b, const Box& box, std::int64_t i,
     return p;
 }
 
-// Relative velocity of the surfaces at the contact point, and the part of it that this sub-step's kick made.
-inline void relative_velocity(const BodyArrays& b, const Partners& p, const Geometry& g, double* v, double* kick) {
+// Tangential velocity of the surfaces against each other at the contact point, with half of this sub-step's
+// kick; u_mid is the normal part.
+inline void slip_velocity(const BodyArrays& b, const Partners& p, const Geometry& g, double u_mid,
+                          double* slip) {
     const double *vi = b.v + 3 * p.i, *wi = b.w + 3 * p.i, *ki = b.kick + 3 * p.i, *si = b.spin + 3 * p.i;
-    double roll[3], roll_kick[3];
-    for (int d = 0; d < 3; ++d) {
-        roll[d] = g.lever_i * wi[d] + g.lever_j * p.wj[d];
-        roll_kick[d] = g.lever_i * si[d] + g.lever_j * p.spin_j[d];
-    }
+    double roll[3];
+    for (int d = 0; d < 3; ++d)
+        roll[d] = g.lever_i * (wi[d] - 0.5 * si[d]) + g.lever_j * (p.wj[d] - 0.5 * p.spin_j[d]);
     for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, f = (d + 2) % 3;
-        v[d] = vi[d] - p.vj[d] + roll[e] * g.n[f] - roll[f] * g.n[e];
-        kick[d] = ki[d] - p.kick_j[d] + roll_kick[e] * g.n[f] - roll_kick[f] * g.n[e];
+        slip[d] = vi[d] - p.vj[d] - 0.5 * (ki[d] - p.kick_j[d]) - u_mid * g.n[d] + roll[e] * g.n[f] -
+                  roll[f] * g.n[e];
     }
 }
 
@@ -110,19 +111,20 @@ inline void remember(PairState& s, const Window& w, double t, double h, double u
 }
 
 // One pair, one sub-step; returns whether its contact is over (the surfaces have parted).
-inline bool visit_pair(const BodyArrays& b, const Box& box, const Partners& p, const PairLaw& law, PairState& s,
-                       const SubstepPlan& plan, double t, Progress& progress) {
+inline bool visit_pair(const BodyArrays& b, const Box& box, const Partners& p, const PairLaw& law,
+                       PairState& s, const SubstepPlan& plan, double t, Progress& progress) {
     const double h = plan.h;
-    const Geometry g =
-        p.j < 0 ? wall_geometry(box, b.x + 3 * p.i, b.radius[p.i], static_cast<int>(-1 - p.j))
-                : sphere_geometry(box, b.x + 3 * p.i, b.x + 3 * p.j, b.radius[p.i], b.radius[p.j]);
+    const Geometry g = p.j < 0
+                           ? wall_geometry(box, b.x + 3 * p.i, b.radius[p.i], static_cast<int>(-1 - p.j))
+                           : sphere_geometry(box, b.x + 3 * p.i, b.x + 3 * p.j, b.radius[p.i], b.radius[p.j]);
     progress.min_gap = std::min(progress.min_gap, -g.overlap);
-    double v[3], kick[3], mid[3], tangential[3] = {0, 0, 0};
-    relative_velocity(b, p, g, v, kick);
-    for (int d = 0; d < 3; ++d) mid[d] = v[d] - 0.5 * kick[d];
-    const double u = dot(v, g.n), u_mid = dot(mid, g.n);
-    const double lambda =
-        lubrication_resistance(-g.overlap, law.lub_inverse, law.lub_log, law.gap_floor, law.gap_cut);
+    double u = 0, acceleration = 0;  // spins have no part along the normal
+    for (int d = 0; d < 3; ++d) {
+        u += (b.v[3 * p.i + d] - p.vj[d]) * g.n[d];
+        acceleration += (b.kick[3 * p.i + d] - p.kick_j[d]) * g.n[d];
+    }
+    const double u_mid = u - 0.5 * acceleration;
+    const double lambda = law.film.mean_resistance(-g.overlap, 0.5 * h * u_mid);
     const Window w = contact_window(law, plan.zero_force, s.phase, g.overlap, u_mid, h);
     if (w.share() == 0 && lambda == 0 && s.phase == kApart) return false;
 
@@ -130,16 +132,18 @@ inline bool visit_pair(const BodyArrays& b, const Box& box, const Partners& p, c
     const NormalImpulse normal = normal_impulse(law, w, plan.zero_force, lambda, inverse_mass, u, u_mid, h);
     const double change = (normal.contact + normal.lubrication) * inverse_mass;
     double work = -normal.contact * (u_mid - 0.5 * change);
+    double tangential[3] = {0, 0, 0};
     if (law.mu > 0 && w.share() > 0) {
         const double inverse_tangential = inverse_mass + g.lever_i * g.lever_i * p.inverse_moment_i +
                                           g.lever_j * g.lever_j * p.inverse_moment_j;
-        for (int d = 0; d < 3; ++d) mid[d] -= u_mid * g.n[d];
-        tangential_impulse(law, g.n, mid, inverse_tangential, h * w.share(), normal.contact, s.xi, tangential);
-        work -= dot(tangential, mid) - 0.5 * inverse_tangential * dot(tangential, tangential);
+        double slip[3];
+        slip_velocity(b, p, g, u_mid, slip);
+        tangential_impulse(law, g.n, slip, inverse_tangential, h * w.share(), normal.contact, s.xi,
+                           tangential);
+        work -= dot(tangential, slip) - 0.5 * inverse_tangential * dot(tangential, tangential);
     }
     apply(b, p, g, normal, tangential);
 
-    const double acceleration = dot(kick, g.n);
     remember(s, w, t, h, u_mid + (w.from - 0.5) * acceleration, u - change - (1 - w.to) * acceleration);
     if (s.phase == kApart) return false;
     s.work += work;
@@ -157,11 +161,12 @@ inline void drift(const BodyArrays& b, std::int64_t id, double time) {
     }
 }
 
-// Runs until the last sub-step, until `done` might overflow, or until a pair passes the overlap limit. Odd sub-steps
-// visit the pairs backwards: what the order does then cancels to second order.
-inline Progress run_substeps(const BodyArrays& b, const Box& box, const std::int32_t* active, std::int64_t actives,
-                             const std::int32_t* pairs, const PairLaw* laws, PairState* states, std::int64_t n_pairs,
-                             Finished* done, const SubstepPlan& plan) {
+// Runs until the last sub-step, until `done` might overflow, or until a pair passes the overlap limit. Odd
+// sub-steps visit the pairs backwards: what the order does then cancels to second order.
+inline Progress run_substeps(const BodyArrays& b, const Box& box, const std::int32_t* active,
+                             std::int64_t actives, const std::int32_t* pairs, const PairLaw* laws,
+                             PairState* states, std::int64_t n_pairs, Finished* done,
+                             const SubstepPlan& plan) {
     Progress progress{plan.first, 0, -1, std::numeric_limits<double>::infinity(), 0};
     for (; progress.next < plan.last && progress.failed < 0; ++progress.next) {
         if (plan.capacity - progress.finished < n_pairs) break;
@@ -178,8 +183,9 @@ inline Progress run_substeps(const BodyArrays& b, const Box& box, const std::int
             PairState& s = states[pair];
             const Partners p = partners_of(b, box, pairs[2 * pair], pairs[2 * pair + 1]);
             if (visit_pair(b, box, p, laws[pair], s, plan, t, progress)) {
-                done[progress.finished++] = {static_cast<double>(pair), s.start,         s.end, s.max_overlap,
-                                             s.impact_speed,            s.rebound_speed, s.work};
+                done[progress.finished++] = {
+                    static_cast<double>(pair), s.start, s.end, s.max_overlap, s.impact_speed,
+                    s.rebound_speed,           s.work};
                 s = PairState{};
             }
             if (s.overlap > plan.overlap_limit * p.smaller_diameter) progress.failed = pair;
@@ -204,7 +210,8 @@ inline void rotate_orientation(double* q, const double* turn) {
 }
 
 // Ends the step of one body: orientation turned, position back into the box.
-inline void settle(const Box& box, double* x, double* orientation, std::int64_t* crossings, const double* turn) {
+inline void settle(const Box& box, double* x, double* orientation, std::int64_t* crossings,
+                   const double* turn) {
     rotate_orientation(orientation, turn);
     for (int d = 0; d < 3; ++d) {
         const double times = std::floor(x[d] * box.inverse_period[d]);
@@ -215,7 +222,8 @@ inline void settle(const Box& box, double* x, double* orientation, std::int64_t*
     }
 }
 
-// The flight of a body that nothing touches, constant acceleration: what the sub-steps add up to without contacts.
+// The flight of a body that nothing touches, constant acceleration: what the sub-steps add up to without
+// contacts.
 inline void fly(double* x, double* v, double* w, double* turn, const double* force, const double* torque,
                 double inverse_mass, double inverse_moment, double dt) {
     for (int d = 0; d < 3; ++d) {
