@@ -99,8 +99,8 @@ def _mfix(design: Design) -> str:
     e = float(restitution(design.damping_ratio, "zero-overlap"))
     head = _head(
         design, "#", "MFIX-DEM", [
-            "DES_EN_INPUT is turned back into eta_n = 2 |ln e| sqrt(m_ij k_n/(pi^2 + ln^2 e)), the form for zero",
-            "overlap, with the reduced mass of each pair of phases (a wall: the particle's mass). Attraction stays.",
+            "DES_EN_INPUT becomes eta_n = 2 |ln e| sqrt(m_ij k_n/(pi^2 + ln^2 e)), that of zero overlap,",
+            "with the reduced mass of each pair of phases (a wall: the particle's mass). Attraction stays.",
             _end_note(design, "zero-overlap"),
             "KT_FAC = k_t/k_n; DES_ETAT_FAC = eta_t/eta_n; the DEM time step is t_c/50.",
             "Source: MFIX user guide, DEM keywords; its check of the linear spring-dashpot parameters.",
@@ -178,8 +178,8 @@ def export(design: Design, program: str) -> str:
     Returns
     -------
     str
-        Commented lines in SI units: mass convention, meaning of the damping, how that program ends a contact and
-        what comes out there, and the source in its manual.
+        Commented lines in SI units: mass convention, meaning of the damping, how that program ends a contact
+        and what comes out there, and the source in its manual.
 
     Raises
     ------
