@@ -16,8 +16,17 @@ from rdpm.design.soft_sphere import (
     peak_overlap,
 )
 from rdpm.design.verdicts import LEAST_CONTACT_STEPS
+from rdpm.errors import CaseError
 
-__all__ = ["StepsTable", "StiffnessTable", "TrialTable", "by_contact_steps", "graphical", "trial_and_error"]
+__all__ = [
+    "StepsTable",
+    "StiffnessTable",
+    "TrialTable",
+    "approach_rows",
+    "by_contact_steps",
+    "graphical",
+    "trial_and_error",
+]
 
 
 class StiffnessTable(NamedTuple):
@@ -242,3 +251,83 @@ def by_contact_steps(
     least = max(float(LEAST_CONTACT_STEPS), hertz_time / dt)
     most = float(largest_contact_time(restitution, overlap_limit, impact_speed, ending)) / dt
     return StepsTable(n_c, k, eta, n_c * dt, overlap, (n_c >= least) & (n_c <= most), least, most)
+
+
+def approach_rows(
+    approach: str,
+    values: list[float],
+    known: dict[str, float],
+    *,
+    wall: bool = False,
+    ending: Ending = "zero-force",
+) -> list[dict[str, Any]]:
+    """Rows of one approach for bodies given as to :func:`rdpm.design.soft_sphere`, SI units in the names.
+
+    Parameters
+    ----------
+    approach : {"graphical", "trial", "contact-steps"}
+    values : list of float
+        Stiffness [N/m], or contact steps [-] for ``"contact-steps"``. > 0.
+    known : dict of str and float
+        mass, or diameter with density; time_step; restitution (damping for ``"trial"``); for the latter two
+        approaches diameter, and impact_speed or a fluid; optionally overlap_limit and a material.
+    wall : bool
+        The partner is a wall.
+    ending : {"zero-force", "zero-overlap"}
+        When the contact is over.
+
+    Returns
+    -------
+    list of dict
+
+    Raises
+    ------
+    CaseError
+        Something missing, superfluous or out of range.
+
+    Examples
+    --------
+    >>> approach_rows("graphical", [1.0], {"mass": 1e-3, "restitution": 0.8, "time_step": 1e-3})[0].keys()
+    dict_keys(['stiffness_N_m', 'critical_damping_N_s_m', 'damping_N_s_m', 'contact_time_s', 'contact_steps'])
+    """
+    from rdpm.design.front_door import soft_sphere
+
+    swept = "contact_steps" if approach == "contact-steps" else "stiffness"
+    needs = ("time_step", "damping" if approach == "trial" else "restitution")
+    for name in needs:
+        if name not in known:
+            raise CaseError(
+                name, None, "must be given", f"the {approach} approach starts from it", f"Add {name}."
+            )
+    # one design tells bodies, impact and material apart, and refuses what does not belong
+    one = soft_sphere(**{**known, swept: values[0]}, wall=wall, ending=ending)
+    m, dt = one.reduced_mass_kg, known["time_step"]
+    if approach == "graphical":
+        t = graphical(m, known["restitution"], values, [dt], ending)
+        columns = (
+            "stiffness_N_m",
+            "critical_damping_N_s_m",
+            "damping_N_s_m",
+            "contact_time_s",
+            "contact_steps",
+        )
+        return _rows(columns, (*t[:4], t.contact_steps[:, 0]))
+    d, v = one.diameter_m, one.impact_speed_m_s
+    if d is None or v is None:
+        name = "diameter" if d is None else "impact_speed"
+        raise CaseError(name, None, "must be given", "the overlap is judged by it", f"Add {name}.")
+    limit = known.get("overlap_limit", 0.005) * d
+    if approach == "trial":
+        s = trial_and_error(m, known["damping"], values, dt, limit, v, ending)
+        columns = ("stiffness_N_m", "damping_ratio", "restitution", "contact_time_s", "contact_steps")
+        return _rows((*columns, "max_overlap_fraction", "accepted"), (*s[:5], s.overlap / d, s.accepted))
+    hertz = max(one.hertz_contact_time_s or 0.0, one.rayleigh_time_s or 0.0)
+    n = by_contact_steps(m, known["restitution"], values, dt, limit, v, hertz, ending)
+    columns = ("contact_steps", "stiffness_N_m", "damping_N_s_m", "contact_time_s", "max_overlap_fraction")
+    return _rows((*columns, "accepted"), (*n[:4], n.overlap / d, n.accepted))
+
+
+def _rows(columns: tuple[str, ...], values: tuple[Any, ...]) -> list[dict[str, Any]]:
+    """Turn columns of arrays into rows of plain values, None where not finite."""
+    plain = [[v if np.isfinite(v) else None for v in np.asarray(column).tolist()] for column in values]
+    return [dict(zip(columns, row, strict=True)) for row in zip(*plain, strict=True)]

@@ -26,7 +26,7 @@ def _given_by(design: Design, ending: Ending) -> str:
 def _head(design: Design, mark: str, program: str, lines: list[str]) -> list[str]:
     """Open a fragment with the design and the meaning of its parameters."""
     d = design
-    known = f"rdpm design for {program}, SI: k_n = {d.stiffness_N_m:.9g} N/m, eta_n = {d.damping_N_s_m:.9g} N s/m,"
+    known = f"rdpm for {program}, SI: k_n = {d.stiffness_N_m:.9g} N/m, eta_n = {d.damping_N_s_m:.9g} N s/m,"
     mass = f"for a reduced mass m_ij = {d.reduced_mass_kg:.9g} kg (an equal pair's is half a sphere's mass)"
     return [f"{mark} {line}" for line in (known, mass, *lines)]
 
@@ -54,16 +54,17 @@ def _lammps(design: Design) -> str:
     limited = " limit_damping" if ending == "zero-force" else ""
     head = _head(
         design, "#", "LAMMPS", [
-            "pair_style granular, normal model hooke: F = k_n delta - eta_n v_n; `damping velocity` takes eta_n",
+            "pair_style granular, normal model hooke: F = k_n delta - eta_n v_n; damping velocity: eta_n",
             "itself [N s/m] (mass_velocity multiplies by m_ij, viscoelastic by m_ij and the contact radius).",
             "linear_history: k_t [N/m], eta_t/eta_n, friction coefficient. limit_damping: no attraction.",
             _end_note(design, ending),
-            "fix nve/sphere keeps the half-step force: as semi-implicit Euler, take 50 steps a contact or more.",
+            "fix nve/sphere keeps the half-step force: as semi-implicit Euler, take 50 steps or more.",
             "Source: LAMMPS manual (22Jul2025), pair_style granular: normal, damping, tangential models.",
         ],
     )  # fmt: skip
     line = f"pair_coeff * * hooke {design.stiffness_N_m:.12g} {design.damping_N_s_m:.12g} damping velocity"
-    line += f" tangential linear_history {t.stiffness_N_m:.12g} {_damping_factor(design):.12g} {_friction(design):.12g}"
+    side = (t.stiffness_N_m, _damping_factor(design), _friction(design))
+    line += " tangential linear_history " + " ".join(f"{v:.12g}" for v in side)
     return "\n".join([*head, "pair_style granular", line + limited, ""])
 
 
@@ -93,13 +94,13 @@ def _liggghts(design: Design) -> str:
 
 def _mfix(design: Design) -> str:
     if design.damping_ratio >= 1.0:
-        reason = "MFIX-DEM takes a restitution, which critical and overdamped contacts have none of at zero overlap"
+        reason = "MFIX-DEM takes a restitution at zero overlap, and there is none"
         raise CaseError("export", "mfix", "needs a damping ratio below 1", reason, "Lower the damping.")
     e = float(restitution(design.damping_ratio, "zero-overlap"))
     head = _head(
         design, "#", "MFIX-DEM", [
-            "DES_EN_INPUT is turned back into eta_n = 2 |ln e| sqrt(m_ij k_n/(pi^2 + ln^2 e)), the form for zero",
-            "overlap, with the reduced mass of each pair of phases (a wall: the particle's mass). Attraction stays.",
+            "DES_EN_INPUT becomes eta_n = 2 |ln e| sqrt(m_ij k_n/(pi^2 + ln^2 e)), that of zero overlap,",
+            "with the reduced mass of each pair of phases (a wall: the particle's mass). Attraction stays.",
             _end_note(design, "zero-overlap"),
             "KT_FAC = k_t/k_n; DES_ETAT_FAC = eta_t/eta_n; the DEM time step is t_c/50.",
             "Source: MFIX user guide, DEM keywords; its check of the linear spring-dashpot parameters.",
@@ -177,8 +178,8 @@ def export(design: Design, program: str) -> str:
     Returns
     -------
     str
-        Commented lines in SI units: mass convention, meaning of the damping, how that program ends a contact and
-        what comes out there, and the source in its manual.
+        Commented lines in SI units: mass convention, meaning of the damping, how that program ends a contact
+        and what comes out there, and the source in its manual.
 
     Raises
     ------

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass, fields
 from typing import Any
 
+from rdpm.design._checks import Ending
+
 __all__ = ["Advice", "Design", "Prediction", "Tangential", "Verdict"]
 
 
@@ -96,7 +98,7 @@ class Design(_Record):
     contact_steps: float | None
     damping_ratio: float
     regime: str
-    ending: str
+    ending: Ending
     reduced_mass_kg: float
     diameter_m: float | None
     time_step_s: float | None

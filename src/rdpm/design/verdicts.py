@@ -8,7 +8,7 @@ from rdpm.design._checks import Ending
 from rdpm.design.dimensionless import CRITICAL_STOKES
 from rdpm.design.result import Advice, Verdict
 
-__all__ = ["LEAST_CONTACT_STEPS", "MOST_CONTACT_STEPS", "advise", "verdict_list"]
+__all__ = ["LEAST_CONTACT_STEPS", "MOST_CONTACT_STEPS", "advise", "failed_names", "verdict_list"]
 
 LEAST_CONTACT_STEPS = 4
 """Fewest time steps a contact may last: below, the fluid sees the rebound as a jump."""
@@ -32,6 +32,11 @@ def regime_of(damping_ratio: float) -> str:
     if abs(damping_ratio - 1.0) < 1e-12:
         return "critical"
     return "underdamped" if damping_ratio < 1.0 else "overdamped"
+
+
+def failed_names(verdicts: tuple[Verdict, ...]) -> list[str]:
+    """Name the verdicts that are not ok."""
+    return [v.name for v in verdicts if not v.ok]
 
 
 def verdict_list(
