@@ -63,14 +63,15 @@ def run(
     from rdpm.config.load import case_name, load_case
 
     loaded = load_case(case, set_)
-    from rdpm.setup import plan, run_case  # a case that is wrong is told before the solver is loaded
+    from rdpm.setup import plan  # a case that is wrong is told before the solver is loaded
+    from rdpm.studies.runner import run_case
 
     plan(loaded)  # refuses what cannot run, before a folder is made
     _end_on_sigterm()
     folder = _folder(out, case_name(case))
     try:
         with Reporter(quiet) as reporter:
-            summary = run_case(loaded, folder, threads=threads, quiet=quiet, reporter=reporter)
+            summary = run_case(loaded, folder, threads=threads, reporter=reporter)
         if loaded.output.report:
             _report(folder, loaded.output.video, quiet)
     except CaseError:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm.design import soft_sphere as design
+from rdpm import design
 from rdpm.design._checks import Ending, check_ending
 from rdpm.errors import CaseError
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -151,10 +152,11 @@ def summarise(simulation: Simulation, recorder: Recorder, folder: Path, status: 
     }
     if len(bodies) == 2:
         table = read_table(folder / "particles.csv")
-        gravity = tuple(case.domain.gravity)
-        phases = from_particles_table(table, diameter_0=float(bodies.diameter[0]), diameter_1=float(bodies.diameter[1]),
-                                      gravity=gravity, contact_time=shortest or 0.0)
-        summary["dkt"] = phases.to_dict()
+        gravity = case.domain.gravity
+        period = np.where(case.domain.is_periodic, case.domain.size, 0.0)
+        phases = from_particles_table(table, (float(bodies.diameter[0]), float(bodies.diameter[1])), gravity,
+                                      shortest or 0.0, period)
+        summary["dkt"] = asdict(phases)
     summary["warnings"] = _warnings(summary, plan)
     return summary
 
