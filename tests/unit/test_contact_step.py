@@ -214,3 +214,12 @@ def test_laws_of_different_ways_agree():
     from rdpm.design.soft_sphere import peak_overlap
 
     assert peak_overlap(1e-3, soft.normal_stiffness[0], soft.normal_damping[0], 0.1) == pytest.approx(1e-4)
+
+
+def test_pair_taken_apart_from_outside_ends_its_contact():
+    b = sphere([0.05, 0.05, 0.00505], [0.0, 0.0, -0.1])
+    contacts = Contacts(b, WALLED, LAW)
+    advance(contacts, 3)
+    b.position[0, 2] = 0.05
+    assert advance(contacts, 1)[0].touching == 0
+    assert contacts.take_episodes()["duration_s"] == pytest.approx(2.5e-3, rel=1e-6)
