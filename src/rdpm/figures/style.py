@@ -137,4 +137,4 @@ def case_text(title: str, case: dict[str, Any], summary: dict[str, Any], diamete
     if summary.get("dt_s"):
         numerics.append(f"dt = {1e3 * summary['dt_s']:.4g} ms")
     text = " ".join(parts) + ("; " + ", ".join(numerics) if numerics else "")
-    return f"{title}: {text}" if text else title
+    return ": ".join(part for part in (title, text) if part)
