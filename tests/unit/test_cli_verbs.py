@@ -60,7 +60,7 @@ class Solver(types.ModuleType):
                 (
                     "Grid",
                     [
-                        Row("cells", "53 x 53 x 265", "ok", "[3 % of what was asked]"),
+                        Row("cells", "53 x 53 x 265", "ok", "[bold] of what was asked"),
                         Row("step", "1 ms", "warning", "viscous"),
                     ],
                 )
@@ -122,7 +122,7 @@ def test_run_writes_to_the_next_free_folder(solver, capsys):
     assert "t = 0.1 of 4 s, step 1" in shown.err  # the first line at once
     assert "t = 4 of 4 s, step 40" in shown.err  # and the last
     assert shown.err.count("of 4 s") == 2
-    assert "[3 % of what was asked]" in shown.err
+    assert "[bold] of what was asked" in shown.err
     assert "overlap [above] 0.5 %" in shown.err
     assert "40 steps in 1.2 s" in shown.err
 

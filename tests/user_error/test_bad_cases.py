@@ -307,6 +307,10 @@ DRY = {
 @pytest.mark.parametrize(
     ("override", "said"),
     [
+        (
+            "contact={max_overlap=0.2, impact_speed=1}",
+            "contact.max_overlap = 0.2: must be below overlap_limit = 0.2",
+        ),
         ("time.step=auto", 'time.step = "auto": must be a time in a case without [fluid]'),
         (
             "contact={stiffness=1, restitution=1, lubrication=true}",

@@ -50,7 +50,7 @@ def check(
         return
     from rich.console import Console
 
-    show_plan(planned, Console(highlight=False))
+    show_plan(planned, Console(highlight=False, markup=False))
 
 
 def show_plan(plan: Any, console: Console) -> None:

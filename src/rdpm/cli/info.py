@@ -19,7 +19,7 @@ def info() -> None:
     Examples
     --------
     >>> info()   # doctest: +ELLIPSIS
-    rdpm        0.1.0
+    rdpm        0...
     Python      ...
     """
     import rdpm

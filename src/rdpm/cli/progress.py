@@ -62,7 +62,7 @@ class Reporter:
 
         from rdpm.cli.check import show_plan
 
-        show_plan(plan, Console(stderr=True, highlight=False))
+        show_plan(plan, Console(stderr=True, highlight=False, markup=False))
 
     def update(self, step: int, time: float, end: float, message: str = "") -> None:
         """Tell how far the run is.

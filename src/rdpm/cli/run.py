@@ -44,7 +44,8 @@ def run(
     out : Path, optional
         The folder for the results, new or empty; ./NAME, ./NAME-2, ... when left out.
     set_ : tuple of str
-        key=value, instead of what the case says; may be repeated.
+        key=value, instead of what the case says; may be repeated. A whole table is replaced by
+        'contact={stiffness=50, damping=0.1}'.
     threads : int, optional
         OpenMP threads; all cores, or OMP_NUM_THREADS, when left out.
     quiet : bool
@@ -97,7 +98,7 @@ def _show(summary: dict[str, Any], folder: Path) -> None:
 
     from rdpm.cli.results import show_results
 
-    show_results(summary, folder, Console(highlight=False))
+    show_results(summary, folder, Console(highlight=False, markup=False))
 
 
 def _refuse_ranks() -> None:

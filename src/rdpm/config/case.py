@@ -26,6 +26,11 @@ def _groups(value: Any) -> tuple[Any, ...]:
     return tuple(items(value))
 
 
+def _is_released(group: BodyGroup) -> bool:
+    """Whether its bodies are free, now or later."""
+    return group.motion == "free" or (isinstance(group.motion, Motion) and group.motion.until is not None)
+
+
 class Case(Model):
     """A case as it will be run: plain SI numbers, defaults filled in.
 
@@ -165,7 +170,7 @@ class Case(Model):
             return False
         if self.fluid.zero_mean_flow is not None:
             return self.fluid.zero_mean_flow
-        has_free = any(group.motion != "fixed" for group in self.bodies)
+        has_free = any(_is_released(group) for group in self.bodies)
         return (
             all(self.domain.is_periodic)
             and has_free

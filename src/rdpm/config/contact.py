@@ -112,6 +112,13 @@ class Contact(Model):
                 found,
                 _cure(frozenset(given)),
             )
+        if self.max_overlap is not None and self.max_overlap >= self.overlap_limit:
+            raise RuleError(
+                f"must be below overlap_limit = {self.overlap_limit:g}",
+                "the designed impact would stop the run",
+                value=self.max_overlap,
+                at=("max_overlap",),
+            )
         return self
 
     @property
