@@ -26,8 +26,9 @@ class MeanFlow:
         At the start.
     """
 
-    def __init__(self, given: NDArray[np.float64], is_zero_mean: bool, fluid_mass: float,
-                 mean_velocity: NDArray[np.float64]) -> None:
+    def __init__(
+        self, given: NDArray[np.float64], is_zero_mean: bool, fluid_mass: float, mean_velocity: NDArray[np.float64]
+    ) -> None:
         self.given, self.is_zero_mean, self.fluid_mass = given, is_zero_mean, fluid_mass
         self.mean_velocity = np.array(mean_velocity, float)
 

@@ -28,7 +28,7 @@ class System:
     bodies: Bodies
     contacts: Contacts
     prescription: Prescription
-    held: Floats                              # (N, 6) force and torque other than contact, held over the sub-steps
+    held: Floats  # (N, 6) force and torque other than contact, held over the sub-steps
     fluid: Fluid | None = None
     markers: MarkerSet | None = None
     motion: RigidMotion | None = None

@@ -112,8 +112,9 @@ class Fluid:
         if self._scratch.size < size:
             self._scratch = np.zeros(size)
         if self.is_explicit:
-            _core.momentum_explicit(core, u, v, w, *self.tendency, self.p, dt, now, then, self.viscosity, force,
-                                    self._scratch)
+            _core.momentum_explicit(
+                core, u, v, w, *self.tendency, self.p, dt, now, then, self.viscosity, force, self._scratch
+            )
         else:
             _core.momentum_rate(core, u, v, w, *self.tendency, *self._rate, self.p, now, then, self.viscosity, force)
             for component, (q, rate) in enumerate(zip(self.velocity, self._rate, strict=True)):
@@ -123,8 +124,9 @@ class Fluid:
     def project(self, dt: float) -> None:
         """Change u, v, w to be divergence-free, halos current, and the pressure with it."""
         rotational = 0.0 if self.is_explicit else 0.5 * self.viscosity
-        self.cfl_rate, self.square_sum = self._projection.project(self.grid.core, *self.velocity, self.p,
-                                                                  self.increment, dt, rotational)
+        self.cfl_rate, self.square_sum = self._projection.project(
+            self.grid.core, *self.velocity, self.p, self.increment, dt, rotational
+        )
 
     def largest_divergence(self) -> float:
         """Over the cells [1/s]."""

@@ -65,8 +65,12 @@ def advective_limit(spacing: tuple[float, float, float], speed: tuple[float, flo
     return cfl / rate if rate > 0.0 else math.inf
 
 
-def choose_step(spacing: tuple[float, float, float], viscosity: float, diffusion: Literal["auto", "explicit", "stabilised"],
-                limits: dict[str, float]) -> Choice:
+def choose_step(
+    spacing: tuple[float, float, float],
+    viscosity: float,
+    diffusion: Literal["auto", "explicit", "stabilised"],
+    limits: dict[str, float],
+) -> Choice:
     """Way of diffusion and time step of least cost a simulated second.
 
     Parameters
@@ -92,11 +96,17 @@ def choose_step(spacing: tuple[float, float, float], viscosity: float, diffusion
     name, other = min(limits.items(), key=lambda item: item[1])
     viscous = explicit_limit(spacing, viscosity)
     longest = 0.5 * viscous * (MOST_STAGES**2 + MOST_STAGES - 2)
-    explicit = Choice(min(other, viscous), name if other <= viscous else "viscous", True, 0,
-                      {**limits, "viscous": viscous})
+    explicit = Choice(
+        min(other, viscous), name if other <= viscous else "viscous", True, 0, {**limits, "viscous": viscous}
+    )
     dt = min(other, longest)
-    stabilised = Choice(dt, name if other <= longest else "viscous", False, stages_for(dt, spacing, viscosity),
-                        {**limits, "viscous": longest})
+    stabilised = Choice(
+        dt,
+        name if other <= longest else "viscous",
+        False,
+        stages_for(dt, spacing, viscosity),
+        {**limits, "viscous": longest},
+    )
     if diffusion == "explicit" or not math.isfinite(viscous):
         return explicit
     if diffusion == "stabilised":

@@ -122,8 +122,13 @@ class Grid:
     @cached_property
     def core(self) -> _core.Grid:
         """The same facts as the kernels read them."""
-        return _core.Grid(list(self.cells), list(self.spacing), [BOUNDARIES.index(b) for b in self.boundary],
-                          np.asarray(self.wall_velocity, float).ravel().tolist(), self.threads)
+        return _core.Grid(
+            list(self.cells),
+            list(self.spacing),
+            [BOUNDARIES.index(b) for b in self.boundary],
+            np.asarray(self.wall_velocity, float).ravel().tolist(),
+            self.threads,
+        )
 
     def zeros(self) -> NDArray[np.float64]:
         """A field of zeros with its halo."""
@@ -142,7 +147,7 @@ class Grid:
         x, y, z : ndarray, (nx+2,), (ny+2,), (nz+2,), [m]
         """
         axes: Sequence[NDArray[np.float64]] = [
-            (np.arange(n + 2) - (0.0 if location == name else 0.5)) * h
+            (np.arange(n + 2.0) - (0.0 if location == name else 0.5)) * h
             for name, n, h in zip("uvw", self.cells, self.spacing, strict=True)
         ]
         return axes[0], axes[1], axes[2]

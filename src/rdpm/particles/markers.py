@@ -48,8 +48,11 @@ class MarkerSet:
         counts = [marker_count(a, h) for a in radius]
         self.first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
         depth = radius - retraction * h
-        self._body_arm = np.concatenate([sphere_points(n) * r for n, r in zip(counts, depth, strict=True)]) \
-            if len(bodies) else np.zeros((0, 3))
+        self._body_arm = (
+            np.concatenate([sphere_points(n) * r for n, r in zip(counts, depth, strict=True)])
+            if len(bodies)
+            else np.zeros((0, 3))
+        )
         layer = 4.0 / 3.0 * np.pi * ((depth + 0.5 * h) ** 3 - (depth - 0.5 * h) ** 3)
         self.full_volume = np.repeat(layer / np.array(counts, float), counts) if len(bodies) else np.zeros(0)
         self.volume = self.full_volume.copy()
@@ -79,8 +82,16 @@ class MarkerSet:
 
     def keep_force(self, bodies: Bodies) -> None:
         """Store the present forces in the bodies' axes, for the next step."""
-        _core.turn_vectors(self.first, bodies.orientation, bodies.position, self.force, True, False,
-                           self.grid.threads, self._body_force)
+        _core.turn_vectors(
+            self.first,
+            bodies.orientation,
+            bodies.position,
+            self.force,
+            True,
+            False,
+            self.grid.threads,
+            self._body_force,
+        )
 
     def interpolate(self, velocity: tuple[Floats, Floats, Floats]) -> Floats:
         """Velocity of the fluid at the markers, (M, 3) [m/s]; the array is used again by the next call."""
@@ -98,9 +109,18 @@ class MarkerSet:
         return out
 
     def force_rigid(self, bodies: Bodies, dt: float) -> Floats:
-        """Change `force` so that the fluid at the markers takes the rigid velocity; returns the velocity change (M, 3)."""
-        _core.rigid_change(self.first, self.arm, bodies.velocity, bodies.angular_velocity, self.fluid_velocity,
-                           1.0 / dt, self.grid.threads, self._change, self.force)
+        """Change `force` so that the fluid at the markers moves rigidly; returns its velocity change (M, 3)."""
+        _core.rigid_change(
+            self.first,
+            self.arm,
+            bodies.velocity,
+            bodies.angular_velocity,
+            self.fluid_velocity,
+            1.0 / dt,
+            self.grid.threads,
+            self._change,
+            self.force,
+        )
         return self._change
 
     def layer_inertia(self) -> tuple[Floats, Floats]:

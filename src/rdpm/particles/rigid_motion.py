@@ -5,15 +5,15 @@ The markers hand the fluid an impulse G; the body gets its reaction and what the
 .. math:: m_p (U' - U) = \Delta P_{in} - G + J + \delta t\, B,
 
 with contact impulse J and weight less buoyancy B. G is linear in the new velocity, G = G_old + m_L (U' - u), with
-m_L the fluid of the marker layer and u its velocity. A part beta of that impulse is found in the fluid inside once the
-pressure has answered, the rest in the layer's outer half and in the added mass outside, so :math:`\Delta P_{in}` is what was
-measured on the grid before forcing plus beta (G - G_old). Then
+m_L the fluid of the marker layer and u its velocity. A part beta of that impulse is found in the fluid inside once
+the pressure has answered, the rest in the layer's outer half and in the added mass outside, so
+:math:`\Delta P_{in}` is what was measured on the grid before forcing plus beta (G - G_old). Then
 
 .. math:: (m_p + (1 - \beta) m_L) U' = m_p U + (1 - \beta) m_L u + \ldots
 
-has only positive terms on the left at any density ratio, and a contact accelerates the body and the fluid it takes along
-within the same step. What beta misses of the inner momentum is measured after projection and enters the next step, so that
-momentum is conserved over time.
+has only positive terms on the left at any density ratio, and a contact accelerates the body and the fluid it takes
+along within the same step. What beta misses of the inner momentum is measured after projection and enters the next
+step, so that momentum is conserved over time.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from rdpm.particles.state import Bodies
 
 __all__ = ["INNER_SHARE", "INNER_SHARE_SPIN", "RigidMotion"]
 
-#: beta for translation: share of an impulse on the markers that is found inside one projection later; 0.43 to 0.47 measured
-#: from 6 to 24 cells a diameter. The body's motion stays stable while beta is less than about 0.1 too high.
+#: beta for translation: share of an impulse on the markers that is found inside one projection later; 0.43 to 0.47
+#: measured from 6 to 24 cells a diameter. The motion stays stable while beta is less than about 0.1 too high.
 INNER_SHARE = 0.45
 
 #: The same for rotation, where no pressure answers; 0.56 to 0.71 measured.
@@ -66,10 +66,10 @@ class RigidMotion:
         self.fluid_moment = 0.1 * self.fluid_mass * bodies.diameter**2
         self.weight = (bodies.mass - self.fluid_mass)[:, None] * gravity
         self.radius = 0.5 * bodies.diameter
-        self.inner = np.zeros((n, 6))      # momentum and spin of the inner fluid after the last projection
-        self.missed = np.zeros((n, 6))     # inner momentum that beta did not foresee in the last step
+        self.inner = np.zeros((n, 6))  # momentum and spin of the inner fluid after the last projection
+        self.missed = np.zeros((n, 6))  # inner momentum that beta did not foresee in the last step
         self.hydrodynamic_force, self.hydrodynamic_torque = np.zeros((n, 3)), np.zeros((n, 3))
-        self.given_force = np.zeros((n, 3))   # on the fluid, over the last step
+        self.given_force = np.zeros((n, 3))  # on the fluid, over the last step
         self.slip = 0.0
         self._share = np.repeat([INNER_SHARE, INNER_SHARE_SPIN], 3)
         self._inertia = np.repeat(np.stack([bodies.mass, bodies.moment_of_inertia], axis=1), 3, axis=1)
@@ -82,8 +82,10 @@ class RigidMotion:
         """
         volume, moment = self.markers.layer_inertia()
         taken = self.fluid.density * (2.0 - 2.0 * 0.5**self.passes)
-        return (self.bodies.mass + (1.0 - INNER_SHARE) * taken * volume,
-                self.bodies.moment_of_inertia + (1.0 - INNER_SHARE_SPIN) * taken * moment)
+        return (
+            self.bodies.mass + (1.0 - INNER_SHARE) * taken * volume,
+            self.bodies.moment_of_inertia + (1.0 - INNER_SHARE_SPIN) * taken * moment,
+        )
 
     def kept_force(self) -> Floats:
         """Sum over all bodies of the kept forces on the fluid, (3,) [N]."""
@@ -118,7 +120,7 @@ class RigidMotion:
         volume, moment = markers.layer_inertia()
         layer = density * np.repeat(np.stack([volume, moment], axis=1), 3, axis=1)
         outer = 1.0 - self._share
-        given = density * dt * markers.sums(markers.force)   # impulse of the kept forces, already in the prediction
+        given = density * dt * markers.sums(markers.force)  # impulse of the kept forces, already in the prediction
         predicted = self.inner_momentum()
         known = self._inertia * old + (predicted - self.inner + self.missed) - given + impulse
         known[:, :3] += dt * self.weight

@@ -56,7 +56,7 @@ def _points(count: int) -> NDArray[np.float64]:
         images = _images(points)
         apart = points[:, None, :] - images[None, :, :]
         square = np.einsum("ijk,ijk->ij", apart, apart)
-        square[square < 1e-20] = np.inf   # a point and itself
+        square[square < 1e-20] = np.inf  # a point and itself
         push = np.einsum("ijk,ij->ik", apart, square**-2.0) * distance**4
         push -= np.einsum("ik,ik->i", push, points)[:, None] * points
         size = np.linalg.norm(push, axis=1, keepdims=True)
@@ -70,7 +70,8 @@ def _points(count: int) -> NDArray[np.float64]:
 def _images(points: NDArray[np.float64]) -> NDArray[np.float64]:
     signs = np.array([[x, y, z] for x in (1, -1) for y in (1, -1) for z in (1, -1)], float)
     cyclic = np.concatenate([np.roll(points, shift, axis=1) for shift in range(3)])
-    return (signs[:, None, :] * cyclic[None, :, :]).reshape(-1, 3)
+    images: NDArray[np.float64] = (signs[:, None, :] * cyclic[None, :, :]).reshape(-1, 3)
+    return images
 
 
 def sphere_points(count: int) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 __all__ = ["FREE", "PRESCRIBED", "Bodies"]
 
 FREE = 0
-PRESCRIBED = 1   # velocity given as a function of time; a fixed body is one at rest
+PRESCRIBED = 1  # velocity given as a function of time; a fixed body is one at rest
 
 Floats = NDArray[np.float64]
 
@@ -47,9 +47,9 @@ class Bodies:
     diameter: Floats
     density: Floats
     position: Floats
-    velocity: Floats = field(default=None)  # type: ignore[assignment]
-    angular_velocity: Floats = field(default=None)  # type: ignore[assignment]
-    motion: NDArray[np.int32] = field(default=None)  # type: ignore[assignment]
+    velocity: Floats = field(default=None)  # type: ignore[arg-type]
+    angular_velocity: Floats = field(default=None)  # type: ignore[arg-type]
+    motion: NDArray[np.int32] = field(default=None)  # type: ignore[arg-type]
     orientation: Floats = field(init=False)
     crossings: NDArray[np.int64] = field(init=False)
     mass: Floats = field(init=False)
@@ -75,4 +75,5 @@ class Bodies:
     @property
     def is_free(self) -> NDArray[np.bool_]:
         """Bodies that move under forces: (N,)."""
-        return self.motion == FREE
+        is_free: NDArray[np.bool_] = self.motion == FREE
+        return is_free

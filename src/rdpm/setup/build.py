@@ -85,8 +85,11 @@ def _system(made: Plan, threads: int) -> System:
     flow.set_velocity(*fluid.initial_velocity)
     film = None
     if case.contact.lubrication and len(bodies):
-        film = Lubrication(viscosity=fluid.mu, cutoff_gap=LUBRICATION_REACH * float(np.cbrt(np.prod(grid.spacing))),
-                           roughness=case.contact.lubrication_roughness)
+        film = Lubrication(
+            viscosity=fluid.mu,
+            cutoff_gap=LUBRICATION_REACH * float(np.cbrt(np.prod(grid.spacing))),
+            roughness=case.contact.lubrication_roughness,
+        )
     contacts = _contacts(made, bodies, box, film)
     markers = motion = None
     held = np.zeros((len(bodies), 6))
@@ -98,7 +101,10 @@ def _system(made: Plan, threads: int) -> System:
         # Until the flow answers, weight less buoyancy moves body and added mass.
         answer = motion.contact_inertia[0] / (bodies.mass + 0.5 * motion.fluid_mass)
         held[:, :3] = answer[:, None] * motion.weight
-    drive = np.array(fluid.body_force or (0.0, 0.0, 0.0)) - np.array(fluid.pressure_gradient or (0.0, 0.0, 0.0)) / fluid.density
+    drive = (
+        np.array(fluid.body_force or (0.0, 0.0, 0.0))
+        - np.array(fluid.pressure_gradient or (0.0, 0.0, 0.0)) / fluid.density
+    )
     mean_flow = MeanFlow(drive, case.zero_mean_flow, fluid.density * grid.volume, np.array(fluid.initial_velocity))
     return System(bodies, contacts, prescription, held, flow, markers, motion, mean_flow)
 
@@ -123,7 +129,10 @@ def _motions(given: tuple[Any, ...]) -> dict[int, Motion]:
         times = np.unique(np.concatenate(tables))
         until = motion.until
         motions[body] = Motion(
-            times, np.array([motion.velocity_at(t) for t in times]), np.array([motion.rotation_at(t) for t in times]),
+            times,
+            np.array([motion.velocity_at(t) for t in times]),
+            np.array([motion.rotation_at(t) for t in times]),
             until=until if isinstance(until, float) else math.inf,
-            until_gap=until.gap if until is not None and not isinstance(until, float) else -math.inf)
+            until_gap=until.gap if until is not None and not isinstance(until, float) else -math.inf,
+        )
     return motions

@@ -1,4 +1,4 @@
-"""What a case implies: grid, time step, contact, memory, time; refused before anything is written where it cannot run."""
+"""What a case implies: grid, time step, contact, memory, time; a case that cannot run is refused here."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rdpm import design
 from rdpm.config.case import Case
@@ -29,6 +30,7 @@ AUTO_OVERLAP = 0.025
 EXPECTED_NS = 20.0
 
 Verdict = Literal["", "ok", "warning"]
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -88,17 +90,24 @@ class Plan:
     @property
     def warnings(self) -> list[str]:
         """Rows with a warning, as sentences."""
-        return [f"{row.name} = {row.value}: {row.note}" for _, rows in self.sections for row in rows
-                if row.verdict == "warning"]
+        return [
+            f"{row.name} = {row.value}: {row.note}"
+            for _, rows in self.sections
+            for row in rows
+            if row.verdict == "warning"
+        ]
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers for machines."""
         return {
             "cells": list(self.cells) if self.cells else None,
-            "dt_s": self.step.dt, "dt_limit": self.step.limit,
+            "dt_s": self.step.dt,
+            "dt_limit": self.step.limit,
             "dt_limits_s": {k: v if math.isfinite(v) else None for k, v in self.step.limits.items()},
-            "diffusion": "explicit" if self.step.is_explicit else "stabilised", "stages": self.step.stages,
-            "steps": self.steps, "memory_bytes": self.memory,
+            "diffusion": "explicit" if self.step.is_explicit else "stabilised",
+            "stages": self.step.stages,
+            "steps": self.steps,
+            "memory_bytes": self.memory,
             "terminal_velocity_m_s": float(self.scales.terminal.max(initial=0.0)),
             "pairs": [{"kind": p.kind, **p.design.to_dict()} for p in self.pairs],
             "sections": {title: [vars(row) for row in rows] for title, rows in self.sections},
@@ -139,10 +148,19 @@ def plan(case: Case) -> Plan:
     _check_memory(case, cells, memory)
     pairs = _pairs(case, law, step.dt, found)
     steps = max(1, math.ceil(case.time.end / step.dt - 1e-6))
-    from rdpm.setup.rows import sections   # the wording, beside the numbers
+    from rdpm.setup.rows import sections  # the wording, beside the numbers
 
-    return Plan(case, cells, step, law, pairs, found, memory, steps,
-                sections(case, cells, spacing, step, pairs, found, memory, steps, markers))
+    return Plan(
+        case,
+        cells,
+        step,
+        law,
+        pairs,
+        found,
+        memory,
+        steps,
+        sections(case, cells, spacing, step, pairs, found, memory, steps, markers),
+    )
 
 
 def _cells(case: Case) -> tuple[int, int, int] | None:
@@ -180,15 +198,24 @@ def _time_step(case: Case, spacing: tuple[float, ...] | None, found: Scales) -> 
     limits["user"] = dt
     hardest = advective_limit(h, found.speed, 1.0)
     if dt > hardest * (1.0 + 1e-9):
-        raise CaseError("time.step", f"{dt:g} s", f"must be at most {hardest:.3g} s",
-                        "the flow would cross more than a cell in a step", 'Lower it, or use "auto".')
+        raise CaseError(
+            "time.step",
+            f"{dt:g} s",
+            f"must be at most {hardest:.3g} s",
+            "the flow would cross more than a cell in a step",
+            'Lower it, or use "auto".',
+        )
     choice = choose_step(h, case.fluid.nu, case.time.diffusion, limits)
     if choice.dt < dt * (1.0 - 1e-9) and case.time.diffusion == "auto":
         choice = choose_step(h, case.fluid.nu, "stabilised", limits)
     if choice.dt < dt * (1.0 - 1e-9):
-        raise CaseError("time.step", f"{dt:g} s", f"must be at most {choice.dt:.3g} s",
-                        f"the limit of {'explicit' if choice.is_explicit else 'stabilised'} diffusion on this grid",
-                        'Lower it, or leave time.diffusion = "auto".')
+        raise CaseError(
+            "time.step",
+            f"{dt:g} s",
+            f"must be at most {choice.dt:.3g} s",
+            f"the limit of {'explicit' if choice.is_explicit else 'stabilised'} diffusion on this grid",
+            'Lower it, or leave time.diffusion = "auto".',
+        )
     return Choice(dt, limit, choice.is_explicit, choice.stages, choice.limits)
 
 
@@ -197,11 +224,11 @@ def _to_end(end: float, dt: float) -> float:
     return end / math.ceil(end / dt - 1e-9)
 
 
-def _kinds(case: Case) -> tuple[np.ndarray, np.ndarray, list[str]]:
+def _kinds(case: Case) -> tuple[Floats, Floats, list[str]]:
     """Reduced mass, smaller diameter and name of every kind of pair."""
     bodies = case.expanded_bodies()
     mass = bodies.density * np.pi / 6.0 * bodies.diameter**3
-    groups = {}
+    groups: dict[tuple[float, float], list[int]] = {}
     for n, (d, m) in enumerate(zip(bodies.diameter, mass, strict=True)):
         groups.setdefault((float(d), float(m)), []).append(n)
     items = list(groups.items())
@@ -239,16 +266,18 @@ def _law(case: Case, dt: float) -> SoftSphere:
     c = case.contact
     ratio = c.tangential_ratio
     if ratio is None:
-        ratio = design.ratio_from_poisson(c.poisson_ratio) if c.poisson_ratio is not None else 2.0 / 7.0
-    more = {"ending": c.ending, "friction": c.friction, "tangential_ratio": float(ratio)}
+        ratio = float(design.ratio_from_poisson(c.poisson_ratio)) if c.poisson_ratio is not None else 2.0 / 7.0
+    # What a way needs is there: the case was refused without it.
+    given = {name: float(getattr(c, name) or 0.0) for name in ("restitution", "stiffness", "impact_speed")}
+    surface = (c.ending, c.friction, ratio)
     if c.way == "contact-steps":
-        return SoftSphere.from_contact_time(restitution=c.restitution, contact_time=c.contact_steps * dt, **more)
+        return SoftSphere.from_contact_time(given["restitution"], float(c.contact_steps or 0.0) * dt, *surface)
     if c.way == "max-overlap":
-        return SoftSphere.from_overlap(max_overlap_fraction=c.max_overlap, impact_speed=c.impact_speed,
-                                       restitution=c.restitution, **more)
+        overlap = float(c.max_overlap or 0.0)
+        return SoftSphere.from_overlap(overlap, given["impact_speed"], given["restitution"], *surface)
     if c.way == "stiffness-damping":
-        return SoftSphere.from_stiffness(stiffness=c.stiffness, damping=c.damping, **more)
-    return SoftSphere.from_stiffness(stiffness=c.stiffness, restitution=c.restitution, **more)
+        return SoftSphere.from_stiffness(given["stiffness"], c.damping, None, *surface)
+    return SoftSphere.from_stiffness(given["stiffness"], None, given["restitution"], *surface)
 
 
 def _pairs(case: Case, law: SoftSphere, dt: float, found: Scales) -> list[PairKind]:
@@ -258,11 +287,22 @@ def _pairs(case: Case, law: SoftSphere, dt: float, found: Scales) -> list[PairKi
     parameters = law.parameters(mass, diameter)
     result = []
     for n, name in enumerate(names):
-        result.append(PairKind(name, design.soft_sphere(
-            mass=float(mass[n]), stiffness=float(parameters.normal_stiffness[n]),
-            damping=float(parameters.normal_damping[n]), time_step=dt, ending=case.contact.ending,
-            impact_speed=found.fall or None, diameter=float(diameter[n]), wall=name.startswith("sphere-wall"),
-            friction=case.contact.friction)))
+        result.append(
+            PairKind(
+                name,
+                design.soft_sphere(
+                    mass=float(mass[n]),
+                    stiffness=float(parameters.normal_stiffness[n]),
+                    damping=float(parameters.normal_damping[n]),
+                    time_step=dt,
+                    ending=case.contact.ending,
+                    impact_speed=found.fall or None,
+                    diameter=float(diameter[n]),
+                    wall=name.startswith("sphere-wall"),
+                    friction=case.contact.friction,
+                ),
+            )
+        )
     return result
 
 
@@ -270,8 +310,15 @@ def _check_memory(case: Case, cells: tuple[int, int, int] | None, memory: int) -
     available = available_memory()
     if cells and memory > 0.9 * available:
         place = "resolution.cells" if case.resolution and case.resolution.cells else "resolution.cells_per_diameter"
-        value = list(cells) if case.resolution and case.resolution.cells else \
-            (case.resolution.cells_per_diameter if case.resolution else None)
-        raise CaseError(place, value, f"must lead to a grid of at most {0.9 * available / 1e9:.3g} GB",
-                        f"{cells[0]} x {cells[1]} x {cells[2]} cells need {memory / 1e9:.3g} GB",
-                        "Lower it, or shorten the box.")
+        value = (
+            list(cells)
+            if case.resolution and case.resolution.cells
+            else (case.resolution.cells_per_diameter if case.resolution else None)
+        )
+        raise CaseError(
+            place,
+            value,
+            f"must lead to a grid of at most {0.9 * available / 1e9:.3g} GB",
+            f"{cells[0]} x {cells[1]} x {cells[2]} cells need {memory / 1e9:.3g} GB",
+            "Lower it, or shorten the box.",
+        )

@@ -25,9 +25,17 @@ _LIMITS = {
 }
 
 
-def sections(case: Case, cells: tuple[int, int, int] | None, spacing: tuple[float, ...] | None, step: Choice,
-             pairs: list[PairKind], found: Scales, memory: int, steps: int,
-             markers: int) -> list[tuple[str, list[PlanRow]]]:
+def sections(
+    case: Case,
+    cells: tuple[int, int, int] | None,
+    spacing: tuple[float, ...] | None,
+    step: Choice,
+    pairs: list[PairKind],
+    found: Scales,
+    memory: int,
+    steps: int,
+    markers: int,
+) -> list[tuple[str, list[PlanRow]]]:
     """Group what was worked out: grid, flow, time, contact.
 
     Returns
@@ -49,15 +57,24 @@ def _row(name: str, value: str, ok: bool | None = None, note: str = "") -> PlanR
     return PlanRow(name, value, "" if ok is None else "ok" if ok else "warning", note)
 
 
-def _grid(case: Case, cells: tuple[int, int, int], spacing: tuple[float, ...], memory: int,
-          markers: int) -> list[PlanRow]:
-    rows = [_row("cells", f"{cells[0]} x {cells[1]} x {cells[2]} = {math.prod(cells) / 1e6:.3g} million"),
-            _row("spacing", ", ".join(f"{1e3 * h:.4g}" for h in spacing) + " mm")]
+def _grid(
+    case: Case, cells: tuple[int, int, int], spacing: tuple[float, ...], memory: int, markers: int
+) -> list[PlanRow]:
+    rows = [
+        _row("cells", f"{cells[0]} x {cells[1]} x {cells[2]} = {math.prod(cells) / 1e6:.3g} million"),
+        _row("spacing", ", ".join(f"{1e3 * h:.4g}" for h in spacing) + " mm"),
+    ]
     diameters = case.expanded_bodies().diameter
     if len(diameters):
         across = float(diameters.min()) / max(spacing)
-        rows.append(_row("cells a diameter", f"{across:.3g}", across >= 7.5,
-                         "below 8 the drag is several per cent off" if across < 7.5 else ""))
+        rows.append(
+            _row(
+                "cells a diameter",
+                f"{across:.3g}",
+                across >= 7.5,
+                "below 8 the drag is several per cent off" if across < 7.5 else "",
+            )
+        )
         rows.append(_row("markers", f"{markers} on {len(diameters)} bodies"))
     rows.append(_row("memory", f"{memory / 1e9:.2g} GB", True, f"{available_memory() / 1e9:.3g} GB are free"))
     return rows
@@ -76,13 +93,26 @@ def _flow(case: Case, found: Scales) -> list[PlanRow]:
     galileo = math.sqrt(abs(ratio - 1.0) * g * d**3) / fluid.nu
     reynolds = speed * d / fluid.nu
     rows += [
-        _row("density ratio", f"{ratio:.4g}", 0.5 <= ratio <= 10.0,
-             "" if 0.5 <= ratio <= 10.0 else "tested from 0.5 to 10"),
+        _row(
+            "density ratio",
+            f"{ratio:.4g}",
+            0.5 <= ratio <= 10.0,
+            "" if 0.5 <= ratio <= 10.0 else "tested from 0.5 to 10",
+        ),
         _row("Galileo number Ga", f"{galileo:.4g}"),
-        _row("terminal velocity", f"{float(found.terminal[n]):.4g} m/s", None, "of one sphere alone (Brown and Lawler's drag)"),
+        _row(
+            "terminal velocity",
+            f"{float(found.terminal[n]):.4g} m/s",
+            None,
+            "of one sphere alone (Brown and Lawler's drag)",
+        ),
         _row("Reynolds number Re", f"{reynolds:.4g}", None, "at that speed"),
-        _row("Stokes number St", f"{ratio * reynolds / 9.0:.4g}", None,
-             "no rebound below about 10: the film absorbs it" if ratio * reynolds / 9.0 < 10.0 else ""),
+        _row(
+            "Stokes number St",
+            f"{ratio * reynolds / 9.0:.4g}",
+            None,
+            "no rebound below about 10: the film absorbs it" if ratio * reynolds / 9.0 < 10.0 else "",
+        ),
     ]
     return rows
 
@@ -90,9 +120,17 @@ def _flow(case: Case, found: Scales) -> list[PlanRow]:
 def _time(cells: tuple[int, int, int] | None, step: Choice, steps: int) -> list[PlanRow]:
     from rdpm.setup.plan import EXPECTED_NS
 
-    rows = [_row("time step", f"{step.dt:.4g} s", None, f"limit: {step.limit} ({_LIMITS[step.limit]})"),
-            _row("limits", ", ".join(f"{name} {value:.3g} s" for name, value in step.limits.items()
-                                     if math.isfinite(value) and name != "output"))]
+    rows = [
+        _row("time step", f"{step.dt:.4g} s", None, f"limit: {step.limit} ({_LIMITS[step.limit]})"),
+        _row(
+            "limits",
+            ", ".join(
+                f"{name} {value:.3g} s"
+                for name, value in step.limits.items()
+                if math.isfinite(value) and name != "output"
+            ),
+        ),
+    ]
     if cells:
         way = "explicit" if step.is_explicit else f"stabilised, {step.stages} stages"
         rows.append(_row("diffusion", way))

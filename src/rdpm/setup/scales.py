@@ -6,6 +6,7 @@ import os
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rdpm import design
 from rdpm.config.case import Case
@@ -33,7 +34,7 @@ class Scales:
         Largest terminal or given speed of a body: its impact speed in the worst case.
     """
 
-    terminal: np.ndarray
+    terminal: NDArray[np.float64]
     speed: tuple[float, float, float]
     fall: float
 
@@ -53,8 +54,17 @@ def scales(case: Case) -> Scales:
     """
     bodies, gravity = case.expanded_bodies(), np.array(case.domain.gravity)
     n, g = len(bodies), float(np.linalg.norm(gravity))
-    speed, terminal = np.abs(np.array([getattr(case.domain.wall_velocity, side) or (0.0, 0.0, 0.0) for side in (
-        "x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")])).max(axis=0), np.zeros(n)
+    speed, terminal = (
+        np.abs(
+            np.array(
+                [
+                    getattr(case.domain.wall_velocity, side) or (0.0, 0.0, 0.0)
+                    for side in ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
+                ]
+            )
+        ).max(axis=0),
+        np.zeros(n),
+    )
     given = [np.abs(bodies.velocity)] if n else []
     for motion in bodies.motion:
         if not isinstance(motion, str):
@@ -71,25 +81,26 @@ def scales(case: Case) -> Scales:
                 if same.any():
                     terminal[same] = design.terminal_velocity(*kind, fluid.density, fluid.mu, g)[0]
             speed = speed + np.abs(gravity) / g * terminal.max(initial=0.0)
-        drive = np.abs(np.array(fluid.body_force or (0.0, 0.0, 0.0))) \
+        drive = (
+            np.abs(np.array(fluid.body_force or (0.0, 0.0, 0.0)))
             + np.abs(np.array(fluid.pressure_gradient or (0.0, 0.0, 0.0))) / fluid.density
+        )
         walled = [length for length, kind in zip(case.domain.size, case.domain.kinds, strict=True) if kind == "wall"]
-        if walled:
-            speed = speed + drive * min(walled) ** 2 / (8.0 * fluid.nu)
-        else:
-            speed = speed + drive * case.time.end
+        # Laminar between walls; without any, what the force gives by the end.
+        speed = speed + drive * (min(walled) ** 2 / (8.0 * fluid.nu) if walled else case.time.end)
     fastest = max((float(np.linalg.norm(v, axis=-1).max()) for v in given if v.size), default=0.0)
     along = np.max([v.max(axis=0) for v in given if v.size], axis=0) if any(v.size for v in given) else np.zeros(3)
     total = SPEED_MARGIN * np.maximum(speed, along)
-    return Scales(terminal, (float(total[0]), float(total[1]), float(total[2])),
-                  max(fastest, float(terminal.max(initial=0.0))))
+    return Scales(
+        terminal, (float(total[0]), float(total[1]), float(total[2])), max(fastest, float(terminal.max(initial=0.0)))
+    )
 
 
 def memory_needed(cells: tuple[int, int, int], is_explicit: bool, markers: int) -> int:
     """Memory of the fields, the solver's factors and the markers [bytes]."""
     nx, ny, nz = cells
     arrays = 8 if is_explicit else 11
-    planes = 40   # factors of the pressure solve, buffers of the momentum step
+    planes = 40  # factors of the pressure solve, buffers of the momentum step
     return 8 * (nx + 2) * (ny + 2) * (arrays * (nz + 2) + planes) + BYTES_PER_MARKER * markers
 
 

@@ -26,32 +26,51 @@ def check_step(system: System, dt: float) -> None:
     bodies, fluid = system.bodies, system.fluid
     when = f"step {system.steps}, t = {system.time:.6g} s"
     if len(bodies):
-        good = np.isfinite(bodies.position).all(axis=1) & np.isfinite(bodies.velocity).all(axis=1) \
+        good = (
+            np.isfinite(bodies.position).all(axis=1)
+            & np.isfinite(bodies.velocity).all(axis=1)
             & np.isfinite(bodies.angular_velocity).all(axis=1)
+        )
         if not good.all():
             body = int(np.flatnonzero(~good)[0])
-            raise NanError(f"nan guard, {when}: body {body}", bodies.velocity[body].tolist(),
-                           "position and velocity must be finite", "the step was too long for its forces",
-                           "Lower time.step, or soften the contact.")
+            raise NanError(
+                f"nan guard, {when}: body {body}",
+                bodies.velocity[body].tolist(),
+                "position and velocity must be finite",
+                "the step was too long for its forces",
+                "Lower time.step, or soften the contact.",
+            )
         size = np.array(system.contacts.box.size)
         out = ((bodies.position < 0.0) | (bodies.position > size)) & ~np.array(system.contacts.box.periodic)
         if out.any():
             body, axis = (int(n) for n in np.argwhere(out)[0])
-            raise BodyLeftError(f"body guard, {when}: body {body}, {'xyz'[axis]}", float(bodies.position[body, axis]),
-                                f"its centre must stay between 0 and {size[axis]:g} m",
-                                "a prescribed motion leads out, or a contact was too soft to hold it",
-                                "Change the motion, stiffen the contact, or lower time.step.")
+            raise BodyLeftError(
+                f"body guard, {when}: body {body}, {'xyz'[axis]}",
+                float(bodies.position[body, axis]),
+                f"its centre must stay between 0 and {size[axis]:g} m",
+                "a prescribed motion leads out, or a contact was too soft to hold it",
+                "Change the motion, stiffen the contact, or lower time.step.",
+            )
     if fluid is None:
         return
     if not np.isfinite(fluid.square_sum):
         place = _first_bad(system)
-        raise NanError(f"nan guard, {when}: {place}", None, "the velocity must be finite", "the run turned unstable",
-                       "Lower time.step or time.cfl.")
+        raise NanError(
+            f"nan guard, {when}: {place}",
+            None,
+            "the velocity must be finite",
+            "the run turned unstable",
+            "Lower time.step or time.cfl.",
+        )
     cfl = fluid.cfl_rate * dt
     if cfl > CFL_LIMIT:
-        raise CflError(f"cfl guard, {when}", f"{cfl:.3g}", f"the flow must cross at most {CFL_LIMIT:g} cell a step",
-                       f"the fastest face moves {fluid.cfl_rate:.3g} cells a second",
-                       f"Set time.step to {0.5 / fluid.cfl_rate:.2g} s or less, or lower time.cfl.")
+        raise CflError(
+            f"cfl guard, {when}",
+            f"{cfl:.3g}",
+            f"the flow must cross at most {CFL_LIMIT:g} cell a step",
+            f"the fastest face moves {fluid.cfl_rate:.3g} cells a second",
+            f"Set time.step to {0.5 / fluid.cfl_rate:.2g} s or less, or lower time.cfl.",
+        )
 
 
 def check_divergence(system: System) -> float:
@@ -67,9 +86,13 @@ def check_divergence(system: System) -> float:
     divergence = fluid.largest_divergence()
     scale = max(fluid.cfl_rate, 1e-30)
     if divergence > DIVERGENCE_LIMIT * scale:
-        raise DivergenceError(f"divergence guard, step {system.steps}, t = {system.time:.6g} s", f"{divergence:.3g} 1/s",
-                              f"must stay below {DIVERGENCE_LIMIT:g} of the flow's rate {scale:.3g} 1/s",
-                              "the pressure solve no longer does its work", "Report this case: it should not happen.")
+        raise DivergenceError(
+            f"divergence guard, step {system.steps}, t = {system.time:.6g} s",
+            f"{divergence:.3g} 1/s",
+            f"must stay below {DIVERGENCE_LIMIT:g} of the flow's rate {scale:.3g} 1/s",
+            "the pressure solve no longer does its work",
+            "Report this case: it should not happen.",
+        )
     return divergence
 
 

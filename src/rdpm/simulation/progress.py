@@ -23,7 +23,11 @@ def bar(end: float) -> Iterator[Callable[[int, float, float], None]]:
     """
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    with Progress(TextColumn("t = {task.completed:.3g} of {task.total:.3g} s"), BarColumn(), TimeRemainingColumn(),
-                  TextColumn("left")) as shown:
+    with Progress(
+        TextColumn("t = {task.completed:.3g} of {task.total:.3g} s"),
+        BarColumn(),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+    ) as shown:
         task = shown.add_task("run", total=end)
         yield lambda step, time, until: shown.update(task, completed=time)

@@ -37,8 +37,11 @@ class Recorder:
         self._timing = TableWriter(folder / "timing.csv", TIMING_COLUMNS)
         fluid, bodies = simulation.fluid, simulation.bodies
         wants_fields = fields_every > 0.0
-        self._flow = FieldWriter(folder / "fields.vtkhdf", fluid.grid.cells, fluid.grid.spacing) \
-            if fluid and wants_fields else None
+        self._flow = (
+            FieldWriter(folder / "fields.vtkhdf", fluid.grid.cells, fluid.grid.spacing)
+            if fluid and wants_fields
+            else None
+        )
         self._shapes = BodyWriter(folder / "bodies.vtkhdf") if len(bodies) and wants_fields else None
         self._contact_impulse = np.zeros((len(bodies), 3))
         self._since = simulation.time
@@ -83,22 +86,59 @@ class Recorder:
             contact = self._contact_impulse / span if span > 0.0 else np.zeros((n, 3))
             flow = system.motion.hydrodynamic_force if system.motion else np.zeros((n, 3))
             gap, neighbour = nearest_gaps(bodies, system.contacts.box)
-            self._particles.write(np.column_stack([
-                np.full(n, sim.time), np.arange(n), bodies.position, bodies.velocity, bodies.angular_velocity, flow, contact,
-                gap, neighbour,
-            ]))
+            self._particles.write(
+                np.column_stack(
+                    [
+                        np.full(n, sim.time),
+                        np.arange(n),
+                        bodies.position,
+                        bodies.velocity,
+                        bodies.angular_velocity,
+                        flow,
+                        contact,
+                        gap,
+                        neighbour,
+                    ]
+                )
+            )
             self._contact_impulse[:] = 0.0
             self._since = sim.time
         speed = np.linalg.norm(bodies.velocity, axis=1).max(initial=0.0)
-        energy = 0.5 * float(bodies.mass @ (bodies.velocity**2).sum(axis=1)
-                             + bodies.moment_of_inertia @ (bodies.angular_velocity**2).sum(axis=1))
+        energy = 0.5 * float(
+            bodies.mass @ (bodies.velocity**2).sum(axis=1)
+            + bodies.moment_of_inertia @ (bodies.angular_velocity**2).sum(axis=1)
+        )
         slip = system.motion.slip / speed if system.motion and speed > 0.0 else 0.0
-        self._history.write([[sim.steps, sim.time, sim.dt, fluid.cfl_rate * sim.dt if fluid else 0.0,
-                              sim.check_divergence(), fluid.kinetic_energy() if fluid else 0.0, energy, self._deepest, slip]])
+        self._history.write(
+            [
+                [
+                    sim.steps,
+                    sim.time,
+                    sim.dt,
+                    fluid.cfl_rate * sim.dt if fluid else 0.0,
+                    sim.check_divergence(),
+                    fluid.kinetic_energy() if fluid else 0.0,
+                    energy,
+                    self._deepest,
+                    slip,
+                ]
+            ]
+        )
         self._deepest = 0.0
         parts = system.watch.seconds
-        self._timing.write([[sim.steps, sim.time, sim.wall_seconds, parts["momentum"], parts["bodies"], parts["poisson"],
-                             parts["contacts"]]])
+        self._timing.write(
+            [
+                [
+                    sim.steps,
+                    sim.time,
+                    sim.wall_seconds,
+                    parts["momentum"],
+                    parts["bodies"],
+                    parts["poisson"],
+                    parts["contacts"],
+                ]
+            ]
+        )
         for table in (self._particles, self._contacts, self._history, self._timing):
             table.flush()
 
