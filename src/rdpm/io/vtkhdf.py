@@ -21,7 +21,7 @@ __all__ = ["BodyWriter", "FieldWriter", "field_grid", "field_times", "read_field
 
 Floats = NDArray[np.float64]
 _PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}   # VTK reads no lzf
-_CHUNK = 16   # cells an edge: a plane in any direction unpacks a part of the file only
+_CHUNK = 32   # cells an edge: a plane in any direction reads a part of the file only
 
 
 def _start(file: h5py.File, kind: str) -> h5py.Group:
@@ -112,7 +112,8 @@ class FieldWriter:
                 shape = (*self.shape, *tail)
                 chunk = (1, *[min(_CHUNK, n) for n in self.shape], *tail)
                 data.create_dataset(
-                    name, shape=(0, *shape), maxshape=(None, *shape), dtype="f4", chunks=chunk, **_PACKED
+                    # raw: packing costs more than the steps between two pictures, and saves a third
+                    name, shape=(0, *shape), maxshape=(None, *shape), dtype="f4", chunks=chunk
                 )
                 offsets.create_dataset(name, shape=(0,), maxshape=(None,), dtype="i8", chunks=(256,))
 
