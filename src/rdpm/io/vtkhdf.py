@@ -110,7 +110,7 @@ class FieldWriter:
             offsets = root["Steps"].create_group("CellDataOffsets")
             for name, tail in (("velocity", (3,)), ("pressure", ())):
                 shape = (*self.shape, *tail)
-                chunk = (1, *[min(_CHUNK, n) for n in self.shape], *tail)
+                chunk = (1, *[-(-n // -(-n // _CHUNK)) for n in self.shape], *tail)   # equal pieces: no padding
                 data.create_dataset(
                     # raw: packing costs more than the steps between two pictures, and saves a third
                     name, shape=(0, *shape), maxshape=(None, *shape), dtype="f4", chunks=chunk
