@@ -1,0 +1,39 @@
+"""Development tasks: ``nox -s lint``, ``nox -s tests``, ``nox -s full``, ``nox -s docs``."""
+
+import nox
+
+nox.options.default_venv_backend = "venv"
+nox.options.sessions = ["lint", "tests"]
+
+SOURCES = ("src", "tests", "noxfile.py")
+
+
+@nox.session
+def lint(session: nox.Session) -> None:
+    """Style, types, import contracts, C++ format."""
+    session.install(".[lint]")
+    session.run("ruff", "check", *SOURCES)
+    session.run("mypy")
+    session.run("lint-imports")
+    session.run("python", ".ci/cpp_format.py")
+
+
+@nox.session
+def tests(session: nox.Session) -> None:
+    """Run the quick tier, as the continuous integration does."""
+    session.install(".[test]")
+    session.run("python", "-m", "pytest", *session.posargs)
+
+
+@nox.session
+def full(session: nox.Session) -> None:
+    """Everything, the long cases included."""
+    session.install(".[test]")
+    session.run("python", "-m", "pytest", "-m", "full or not full", *session.posargs)
+
+
+@nox.session
+def docs(session: nox.Session) -> None:
+    """Build the documentation; a warning is an error."""
+    session.install(".[docs]")
+    session.run("sphinx-build", "-W", "-b", "html", "docs", "docs/_build/html")
