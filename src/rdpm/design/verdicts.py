@@ -22,20 +22,32 @@ _REGIMES = {
     ("underdamped", "zero-overlap"): "the sphere rebounds; the force is attractive before the end",
     ("critical", "zero-force"): "no overshoot; e_n = exp(-2)",
     ("critical", "zero-overlap"): "e_n = 0 and the contact lasts for ever: no contact time",
-    ("overdamped", "zero-force"): "those of zero overlap do not exist; e_n and t_c are of zero force",
+    ("overdamped", "zero-force"): "no e_n or t_c at zero overlap; those given are of zero force",
     ("overdamped", "zero-overlap"): "no rebound: neither e_n nor contact time exists. Lower the damping",
 }
 
 
 def regime_of(damping_ratio: float) -> str:
-    """Name the regime; critical means zeta = 1 to round-off."""
+    """Name the regime; critical means zeta = 1 to round-off.
+
+    Examples
+    --------
+    >>> regime_of(0.2), regime_of(1.0), regime_of(1.6)
+    ('underdamped', 'critical', 'overdamped')
+    """
     if abs(damping_ratio - 1.0) < 1e-12:
         return "critical"
     return "underdamped" if damping_ratio < 1.0 else "overdamped"
 
 
 def failed_names(verdicts: tuple[Verdict, ...]) -> list[str]:
-    """Name the verdicts that are not ok."""
+    """Name the verdicts that are not ok.
+
+    Examples
+    --------
+    >>> failed_names((Verdict("regime", 1.6, 1.0, False, "overdamped", ""),))
+    ['regime']
+    """
     return [v.name for v in verdicts if not v.ok]
 
 
