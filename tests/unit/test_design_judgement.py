@@ -43,16 +43,19 @@ BEAD = {"diameter": 1e-3, "density": 2500.0, "fluid_density": 998.0, "viscosity"
         ({"mass": math.nan, "restitution": 0.5}, "mass", "finite"),
         ({"mass": 1.0, "restitution": 1.5, "stiffness": 1.0}, "restitution", "0 <= e_n <= 1"),
         ({"mass": 1.0, "restitution": 0.0, "stiffness": 1.0}, "restitution", "no finite damping"),
-        ({"mass": 1.0, "restitution": 0.0, "contact_time": 1.0, "ending": "zero-overlap"}, "restitution", "never ends"),
+        ({"mass": 1.0, "restitution": 0.0, "contact_time": 1.0, "ending": "zero-overlap"},
+         "restitution", "never ends"),
         ({"mass": 1.0, "restitution": 0.5, "max_overlap": 0.01}, "impact_speed", "must be given"),
-        ({"mass": 1.0, "restitution": 0.5, "max_overlap": 0.01, "impact_speed": 1.0}, "diameter", "must be given"),
+        ({"mass": 1.0, "restitution": 0.5, "max_overlap": 0.01, "impact_speed": 1.0}, "diameter", "be given"),
         ({"mass": 1.0, "stiffness": 1.0, "contact_time": 9.0}, "contact", "only shortens it"),
-        ({"mass": 1.0, "stiffness": 1.0, "contact_time": 1.0, "ending": "zero-overlap"}, "contact", "lengthens it"),
+        ({"mass": 1.0, "stiffness": 1.0, "contact_time": 1.0, "ending": "zero-overlap"},
+         "contact", "lengthens it"),
         ({"mass": 1.0, "damping": 0.0, "restitution": 1.0}, "damping", "any stiffness"),
-        ({"mass": 1.0, "stiffness": 1.0, "restitution": 0.5, "youngs_modulus": 1e9}, "poisson_ratio", "must be given"),
+        ({"mass": 1.0, "stiffness": 1.0, "restitution": 0.5, "youngs_modulus": 1e9},
+         "poisson_ratio", "must be given"),
         ({"mass": 1.0, "stiffness": 1.0, "restitution": 0.5, "ending": "never"}, "ending", "Name one"),
         ({"stiffness": 1.0, "damping": 1.0, "contact_time": 1.0}, "mass", "Give the mass"),
-        ({**BEAD, "stiffness": 1.0, "static_overlap": 0.01, "damping": 0.0}, "static_overlap", "Take one away"),
+        ({**BEAD, "stiffness": 1.0, "static_overlap": 0.01, "damping": 0.0}, "static_overlap", "Take one"),
     ],
 )  # fmt: skip
 def test_wrong_input_is_refused_with_its_name(given, place, words):
@@ -134,10 +137,17 @@ def test_best_contact_steps_sit_on_the_overlap_limit():
     for ending in ("zero-force", "zero-overlap"):
         dt = largest_time_step(0.5, 9.0, 0.005 * 0.015, 0.04, ending)
         d = soft_sphere(diameter=0.015, density=1120.0, restitution=0.5, contact_steps=9, time_step=dt,
-                        impact_speed=0.04, ending=ending)  # fmt: skip
+                        impact_speed=0.04, gravity=0.0, ending=ending)  # fmt: skip
         assert d.max_overlap_fraction == pytest.approx(0.005, rel=1e-12)
         assert d.advice.best_contact_steps == 9
         assert d.ok
+
+
+def test_advice_names_what_decides():
+    fast = soft_sphere(**BEAD, restitution=0.9, contact_steps=8, time_step=1e-4, impact_speed=1.0)
+    slow = soft_sphere(**BEAD, restitution=0.9, contact_steps=8, time_step=1e-4, impact_speed=1e-4)
+    assert "the overlap at the impact speed decides" in fast.advice.text
+    assert "the overlap at rest decides" in slow.advice.text
 
 
 def test_softest_spring_for_a_load():

@@ -269,7 +269,8 @@ def approach_rows(
     values : list of float
         Stiffness [N/m], or contact steps [-] for ``"contact-steps"``. > 0.
     known : dict of str and float
-        mass, or diameter with density; time_step; restitution (damping for ``"trial"``); for the latter two
+        mass, or diameter with density; time_step (graphical: its half and quarter as
+        well); restitution (damping for ``"trial"``); for the latter two
         approaches diameter, and impact_speed or a fluid; optionally overlap_limit and a material.
     wall : bool
         The partner is a wall.
@@ -287,8 +288,9 @@ def approach_rows(
 
     Examples
     --------
-    >>> approach_rows("graphical", [1.0], {"mass": 1e-3, "restitution": 0.8, "time_step": 1e-3})[0].keys()
-    dict_keys(['stiffness_N_m', 'critical_damping_N_s_m', 'damping_N_s_m', 'contact_time_s', 'contact_steps'])
+    >>> row = approach_rows("graphical", [1.0], {"mass": 1e-3, "restitution": 0.8, "time_step": 1e-3})[0]
+    >>> round(row["damping_N_s_m"], 5), round(row["contact_steps"], 1)
+    (0.0047, 94.9)
     """
     from rdpm.design.front_door import soft_sphere
 
@@ -302,16 +304,12 @@ def approach_rows(
     # one design tells bodies, impact and material apart, and refuses what does not belong
     one = soft_sphere(**{**known, swept: values[0]}, wall=wall, ending=ending)
     m, dt = one.reduced_mass_kg, known["time_step"]
+    columns: tuple[str, ...]
     if approach == "graphical":
-        t = graphical(m, known["restitution"], values, [dt], ending)
-        columns = (
-            "stiffness_N_m",
-            "critical_damping_N_s_m",
-            "damping_N_s_m",
-            "contact_time_s",
-            "contact_steps",
-        )
-        return _rows(columns, (*t[:4], t.contact_steps[:, 0]))
+        t = graphical(m, known["restitution"], values, [dt, 0.5 * dt, 0.25 * dt], ending)
+        steps = ("contact_steps", "contact_steps_half_step", "contact_steps_quarter_step")
+        columns = ("stiffness_N_m", "critical_damping_N_s_m", "damping_N_s_m", "contact_time_s", *steps)
+        return _rows(columns, (*t[:4], *t.contact_steps.T))
     d, v = one.diameter_m, one.impact_speed_m_s
     if d is None or v is None:
         name = "diameter" if d is None else "impact_speed"

@@ -148,7 +148,8 @@ def wet_restitution(restitution: Values, stokes_number: Values, density_ratio: V
 
     Notes
     -----
-    A fit to spheres and drops on a wall, scatter about 0.05 near St* = 50; it is used for pairs as it stands.
+    A fit to rebounds from a wall, the constant included; used for pairs as it stands. Roughness and the
+    viscosity of the film are not covered, and near the critical Stokes number it is an estimate.
 
     References
     ----------

@@ -26,6 +26,7 @@ from rdpm.errors import CaseError
 
 __all__ = ["soft_sphere"]
 
+_LARGEST = 1e30
 _PREDICTED_UP_TO = 500.0  # contact steps; beyond, all but explicit Euler are within 0.2 %
 
 
@@ -114,7 +115,7 @@ def soft_sphere(
     impact_speed : float, [m/s], optional
         > 0; default the terminal velocity, where the fluid is known.
     youngs_modulus : float, [Pa], optional
-        > 0, with ``poisson_ratio``: the lower limits of Hertz and Rayleigh. Where nothing else fixes how
+        > 0, of both bodies, with ``poisson_ratio``: the lower limits of Hertz and Rayleigh. Where nothing else fixes how
         stiff the contact is, the contact time is Hertz's.
     poisson_ratio : float, [-], optional
         -1 < sigma <= 0.5; gives ``tangential_ratio`` too.
@@ -158,7 +159,9 @@ def soft_sphere(
     >>> round(d.stiffness_N_m, 2), round(d.damping_N_s_m, 4), d.advice.best_contact_steps
     (160.04, 0.1715, 6)
     """
+    given = {name: q for name, q in locals().items() if isinstance(q, int | float) and name != "wall"}
     check_ending(ending)
+    _refuse_extremes(given)
     pair = read_pair(mass, diameter, density, diameter2, density2, wall)
     impact = read_impact(pair, impact_speed, fluid_density, viscosity, gravity)
     t_c = _contact_time(contact_time, contact_steps, time_step)
@@ -207,6 +210,14 @@ def soft_sphere(
         ),
         advice=_advice(m, zeta, ending, limit, pair, impact, (hertz, rayleigh), steps, step),
     )  # fmt: skip
+
+
+def _refuse_extremes(given: dict[str, float]) -> None:
+    """Refuse what is not finite, or beyond where squares and cubes leave the range of a double."""
+    for name, value in given.items():
+        if not math.isfinite(value) or abs(value) > _LARGEST or 0.0 < abs(value) < 1.0 / _LARGEST:
+            rule = f"must be a finite number above {1 / _LARGEST:g} and below {_LARGEST:g} in size, or 0"
+            raise CaseError(name, f"{value:g}", rule, "nothing physical lies beyond", "Correct this value.")
 
 
 def _finite(number: float, unit: float) -> float | None:
@@ -312,8 +323,11 @@ def _advice(
     if pair.diameter is not None and math.isfinite(tau):
         overlap = limit * pair.diameter
         if impact.speed is not None:
-            bounds.append(tau * overlap / impact.speed / float(peak_overlap_factor(zeta)))
+            at_impact = tau * overlap / impact.speed / float(peak_overlap_factor(zeta))
+            bounds.append((at_impact, "the overlap at the impact speed"))
         if impact.weight:
-            bounds.append(tau * math.sqrt(m / float(softest_stiffness(impact.weight, overlap))))
+            at_rest = tau * math.sqrt(m / float(softest_stiffness(impact.weight, overlap)))
+            bounds.append((at_rest, "the overlap at rest"))
     shortest = max((t for t in material if t is not None), default=None)
-    return advise(shortest=shortest, longest=min(bounds, default=None), time_step=step, contact_steps=steps)
+    longest, decides = min(bounds, default=(None, ""))
+    return advise(shortest=shortest, longest=longest, decides=decides, time_step=step, contact_steps=steps)

@@ -22,20 +22,32 @@ _REGIMES = {
     ("underdamped", "zero-overlap"): "the sphere rebounds; the force is attractive before the end",
     ("critical", "zero-force"): "no overshoot; e_n = exp(-2)",
     ("critical", "zero-overlap"): "e_n = 0 and the contact lasts for ever: no contact time",
-    ("overdamped", "zero-force"): "those of zero overlap do not exist; e_n and t_c are of zero force",
+    ("overdamped", "zero-force"): "no e_n or t_c at zero overlap; those given are of zero force",
     ("overdamped", "zero-overlap"): "no rebound: neither e_n nor contact time exists. Lower the damping",
 }
 
 
 def regime_of(damping_ratio: float) -> str:
-    """Name the regime; critical means zeta = 1 to round-off."""
+    """Name the regime; critical means zeta = 1 to round-off.
+
+    Examples
+    --------
+    >>> regime_of(0.2), regime_of(1.0), regime_of(1.6)
+    ('underdamped', 'critical', 'overdamped')
+    """
     if abs(damping_ratio - 1.0) < 1e-12:
         return "critical"
     return "underdamped" if damping_ratio < 1.0 else "overdamped"
 
 
 def failed_names(verdicts: tuple[Verdict, ...]) -> list[str]:
-    """Name the verdicts that are not ok."""
+    """Name the verdicts that are not ok.
+
+    Examples
+    --------
+    >>> failed_names((Verdict("regime", 1.6, 1.0, False, "overdamped", ""),))
+    ['regime']
+    """
     return [v.name for v in verdicts if not v.ok]
 
 
@@ -96,7 +108,7 @@ def verdict_list(
     # a contact that never ends is a matter of the regime, not of its length
     judge("contact_steps", contact_steps, float(LEAST_CONTACT_STEPS), False,
           "at least: with fewer the fluid sees the rebound as a jump",
-          "van der Hoef et al., Adv. Chem. Eng. 31 (2006) 65: not too few")  # fmt: skip
+          "rdpm's bound, after van der Hoef et al., Adv. Chem. Eng. 31 (2006) 65")  # fmt: skip
     judge("max_overlap", max_overlap, overlap_limit, True,
           "at most, of the smaller diameter at the impact speed: more spoils the flow", _MUSONG)  # fmt: skip
     judge("static_overlap", static_overlap, overlap_limit, True,
@@ -118,6 +130,7 @@ def advise(
     *,
     shortest: float | None,
     longest: float | None,
+    decides: str = "the overlap",
     time_step: float | None,
     contact_steps: float | None,
 ) -> Advice:
@@ -129,6 +142,8 @@ def advise(
         Of the real material (Hertz, Rayleigh).
     longest : float or None, [s]
         By the overlap limits; None where no impact speed or load is known.
+    decides : str
+        Which of them it is.
     time_step : float or None, [s]
     contact_steps : float or None, [-]
         Of the design itself.
@@ -163,4 +178,6 @@ def advise(
             text += f", up to {most} where more gains nothing." if high > most else ", best resolved in time."
         else:
             text = f"No N_c keeps to all limits at this time step: lower it to {at_most:.3g} s or less."
+    if at_most is not None:
+        text += f" Of the upper limits {decides} decides."
     return Advice(shortest, longest, window, best, at_most, at_design, text)
