@@ -17,7 +17,7 @@ import rdpm
 from rdpm.errors import CaseError
 from rdpm.io.files import replacing
 
-__all__ = ["environment", "peak_memory_bytes", "read_json", "write_json"]
+__all__ = ["available_threads", "environment", "peak_memory_bytes", "read_json", "write_json"]
 
 
 def environment() -> dict[str, Any]:
@@ -40,7 +40,7 @@ def environment() -> dict[str, Any]:
         "numpy": np.__version__,
         "platform": platform.platform(),
         "cpu": _cpu(),
-        "threads": _threads(),
+        "threads": available_threads(),
         "date_utc": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 
@@ -54,7 +54,14 @@ def _cpu() -> str:
     return next(names, "") or platform.processor() or platform.machine()
 
 
-def _threads() -> int:
+def available_threads() -> int:
+    """Threads that OpenMP would take: ``OMP_NUM_THREADS``, else the cores this process may use.
+
+    Examples
+    --------
+    >>> available_threads() >= 1
+    True
+    """
     asked = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
     if asked.isdigit() and int(asked) > 0:
         return int(asked)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rdpm.errors import CaseError
 from rdpm.io.files import replacing, reporting
+from rdpm.io.packing import PACKED, append_packed
 from rdpm.io.sphere_surface import sphere_surface
 
 if TYPE_CHECKING:
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 __all__ = ["BodyWriter", "FieldWriter", "field_grid", "field_times", "read_fields", "read_plane"]
 
 Floats = NDArray[np.float64]
-_PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}   # VTK reads no lzf
 _CHUNK = 16   # cells an edge: a plane in any direction unpacks a part of the file only
 
 
@@ -112,7 +112,7 @@ class FieldWriter:
                 shape = (*self.shape, *tail)
                 chunk = (1, *[min(_CHUNK, n) for n in self.shape], *tail)
                 data.create_dataset(
-                    name, shape=(0, *shape), maxshape=(None, *shape), dtype="f4", chunks=chunk, **_PACKED
+                    name, shape=(0, *shape), maxshape=(None, *shape), dtype="f4", chunks=chunk, **PACKED
                 )
                 offsets.create_dataset(name, shape=(0,), maxshape=(None,), dtype="i8", chunks=(256,))
 
@@ -151,7 +151,7 @@ class FieldWriter:
         with _appending(self.path) as root:
             step = int(root["Steps"].attrs["NSteps"])
             for name, values in (("velocity", u), ("pressure", p)):
-                _append(root["CellData"][name], values[None])
+                append_packed(root["CellData"][name], values)
                 _append(root["Steps/CellDataOffsets"][name], np.array([step]))
             _append(root["Steps/Values"], np.array([time]))
             root["Steps"].attrs["NSteps"] = step + 1
@@ -322,14 +322,14 @@ class BodyWriter:
             group.create_dataset("Connectivity", data=cells[:used].ravel())
         root.create_dataset("NumberOfPoints", data=np.array([count * size]))
         chunk = (max(1, min(count * size, 65536)), 3)
-        root.create_dataset("Points", (0, 3), maxshape=(None, 3), dtype="f4", chunks=chunk, **_PACKED)
+        root.create_dataset("Points", (0, 3), maxshape=(None, 3), dtype="f4", chunks=chunk, **PACKED)
         data, steps = root.create_group("PointData"), root["Steps"]
         offsets = steps.create_group("PointDataOffsets")
         data.create_dataset("id", data=np.repeat(np.arange(count), size))
         for name, width in self._VALUES:
             tail = (width,) if width > 1 else ()
             data.create_dataset(
-                name, (0, *tail), maxshape=(None, *tail), dtype="f4", chunks=(chunk[0], *tail), **_PACKED
+                name, (0, *tail), maxshape=(None, *tail), dtype="f4", chunks=(chunk[0], *tail), **PACKED
             )
         for name in data:
             offsets.create_dataset(name, shape=(0,), maxshape=(None,), dtype="i8", chunks=(256,))
