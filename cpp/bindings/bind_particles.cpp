@@ -1,4 +1,5 @@
-// Bodies in the fluid: stencils of the markers, interpolation, spreading, sums over markers and over the inner fluid.
+// Bodies in the fluid: stencils of the markers, interpolation, spreading, sums over markers and over the
+// inner fluid.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
@@ -38,7 +39,8 @@ struct Markers {
         make_stencils(g, x, 0, n, stencils.data());
         order_by_plane(g, stencils.data(), n, order.data(), start.data());
     }
-    void interpolate_to(const Grid& g, const Values& u, const Values& v, const Values& w, const Values& out) const {
+    void interpolate_to(const Grid& g, const Values& u, const Values& v, const Values& w,
+                        const Values& out) const {
         const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
         double* target = checked(out, "marker velocity", {count(), 3});
         nb::gil_scoped_release released;
@@ -47,7 +49,8 @@ struct Markers {
     void spread_from(const Grid& g, const Values& u, const Values& v, const Values& w, const Values& value,
                      const Values& volume, double factor) const {
         const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
-        const double *values = checked(value, "marker value", {count(), 3}), *volumes = checked(volume, "volume", {count()});
+        const double *values = checked(value, "marker value", {count(), 3}),
+                     *volumes = checked(volume, "volume", {count()});
         nb::gil_scoped_release released;
         spread(g, q, stencils.data(), count(), order.data(), values, volumes, factor);
     }
@@ -62,8 +65,8 @@ void bind_particles(nb::module_& module) {
         .def("interpolate", &Markers::interpolate_to)
         .def("spread", &Markers::spread_from)
         .def_prop_ro("count", &Markers::count);
-    module.def("sum_over_markers", [](const Indices& first, const Values& arm, const Values& volume, const Values& value,
-                                      int threads, const Values& out) {
+    module.def("sum_over_markers", [](const Indices& first, const Values& arm, const Values& volume,
+                                      const Values& value, int threads, const Values& out) {
         const int bodies = static_cast<int>(first.shape(0)) - 1;
         const std::int32_t* f = checked(first, "first", {bodies + 1});
         const int n = f[bodies];
@@ -73,34 +76,37 @@ void bind_particles(nb::module_& module) {
         nb::gil_scoped_release released;
         sum_over_markers(bodies, f, r, dv, x, threads, sums);
     });
-    module.def("turn_vectors", [](const Indices& first, const Values& orientation, const Values& centre, const Values& in,
-                                  bool back, bool add_centre, int threads, const Values& out) {
-        const int bodies = static_cast<int>(first.shape(0)) - 1;
-        const std::int32_t* f = checked(first, "first", {bodies + 1});
-        const int n = f[bodies];
-        const double *o = checked(orientation, "orientation", {bodies, 4}), *x = checked(centre, "centre", {bodies, 3}),
-                     *v = checked(in, "vectors", {n, 3});
-        double* turned = checked(out, "turned", {n, 3});
-        nb::gil_scoped_release released;
-        turn_vectors(bodies, f, o, add_centre ? x : nullptr, v, back, threads, turned);
-    });
-    module.def("rigid_change", [](const Indices& first, const Values& arm, const Values& velocity, const Values& spin,
-                                  const Values& fluid, double inverse_dt, int threads, const Values& change,
-                                  const Values& force) {
+    module.def(
+        "turn_vectors", [](const Indices& first, const Values& orientation, const Values& centre,
+                           const Values& in, bool back, bool add_centre, int threads, const Values& out) {
+            const int bodies = static_cast<int>(first.shape(0)) - 1;
+            const std::int32_t* f = checked(first, "first", {bodies + 1});
+            const int n = f[bodies];
+            const double *o = checked(orientation, "orientation", {bodies, 4}),
+                         *x = checked(centre, "centre", {bodies, 3}), *v = checked(in, "vectors", {n, 3});
+            double* turned = checked(out, "turned", {n, 3});
+            nb::gil_scoped_release released;
+            turn_vectors(bodies, f, o, add_centre ? x : nullptr, v, back, threads, turned);
+        });
+    module.def("rigid_change", [](const Indices& first, const Values& arm, const Values& velocity,
+                                  const Values& spin, const Values& fluid, double inverse_dt, int threads,
+                                  const Values& change, const Values& force) {
         const int bodies = static_cast<int>(first.shape(0)) - 1;
         const std::int32_t* f = checked(first, "first", {bodies + 1});
         const int n = f[bodies];
         const double *r = checked(arm, "arm", {n, 3}), *v = checked(velocity, "velocity", {bodies, 3}),
-                     *o = checked(spin, "angular velocity", {bodies, 3}), *u = checked(fluid, "fluid velocity", {n, 3});
+                     *o = checked(spin, "angular velocity", {bodies, 3}),
+                     *u = checked(fluid, "fluid velocity", {n, 3});
         double *c = checked(change, "change", {n, 3}), *total = checked(force, "force", {n, 3});
         nb::gil_scoped_release released;
         rigid_change(bodies, f, r, v, o, u, inverse_dt, threads, c, total);
     });
-    module.def("inner_motion", [](const Grid& g, const Values& u, const Values& v, const Values& w, const Values& position,
-                                  const Values& radius, const Values& out) {
+    module.def("inner_motion", [](const Grid& g, const Values& u, const Values& v, const Values& w,
+                                  const Values& position, const Values& radius, const Values& out) {
         const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
         const int bodies = static_cast<int>(position.shape(0));
-        const double *x = checked(position, "position", {bodies, 3}), *a = checked(radius, "radius", {bodies});
+        const double *x = checked(position, "position", {bodies, 3}),
+                     *a = checked(radius, "radius", {bodies});
         double* motion = checked(out, "inner motion", {bodies, 6});
         nb::gil_scoped_release released;
         inner_motion(g, q, bodies, x, a, motion);

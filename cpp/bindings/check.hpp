@@ -21,7 +21,8 @@ inline std::string shape_text(std::initializer_list<std::int64_t> shape) {
     return text.substr(0, text.size() - 2) + ")";
 }
 
-// Pointer to the array's data; throws ValueError with the array's name unless its shape is the one asked (-1: any).
+// Pointer to the array's data; throws ValueError with the array's name unless its shape is the one asked (-1:
+// any).
 template <class Scalar>
 Scalar* checked(const Array<Scalar>& array, const char* name, std::initializer_list<std::int64_t> shape) {
     bool good = array.ndim() == shape.size();

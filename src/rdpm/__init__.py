@@ -5,6 +5,10 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
+from rdpm.parallel.threads import wait_passively
+
+wait_passively()   # before anything loads the kernels
+
 __version__ = "0.1.0"
 __all__ = ["Simulation", "design", "load_case"]
 

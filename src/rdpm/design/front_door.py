@@ -115,8 +115,8 @@ def soft_sphere(
     impact_speed : float, [m/s], optional
         > 0; default the terminal velocity, where the fluid is known.
     youngs_modulus : float, [Pa], optional
-        > 0, of both bodies, with ``poisson_ratio``: the lower limits of Hertz and Rayleigh. Where nothing else fixes how
-        stiff the contact is, the contact time is Hertz's.
+        > 0, of both bodies, with ``poisson_ratio``: the lower limits of Hertz and Rayleigh. Where nothing else
+        fixes how stiff the contact is, the contact time is Hertz's.
     poisson_ratio : float, [-], optional
         -1 < sigma <= 0.5; gives ``tangential_ratio`` too.
     fluid_density : float, [kg/m^3], optional

@@ -78,16 +78,16 @@ def _render(run: RunFolder, path: Path) -> None:
     if run.tracks is None:
         raise ValueError("there are no bodies")
     position, count = run.tracks.position, run.tracks.count
-    plotter: Any = pyvista.Plotter(off_screen=True, window_size=[1100, 1100])
-    plotter.enable_anti_aliasing("ssaa")
+    plotter: Any = pyvista.Plotter(off_screen=True, window_size=[1600, 1600])
     plotter.set_background("white")
-    plotter.add_mesh(pyvista.Box((0, run.box[0], 0, run.box[1], 0, run.box[2])).outline(), color="#777777")
+    edges = pyvista.Box((0, run.box[0], 0, run.box[1], 0, run.box[2])).outline()
+    plotter.add_mesh(edges, color="#777777", line_width=2)
     if count <= _FEW:
         moments = np.unique(np.linspace(0, len(position) - 1, 6).astype(int))
         for n in range(count):
             colour = PALETTE[n % len(PALETTE)]
             if len(position) > 1:
-                plotter.add_mesh(pyvista.lines_from_points(position[:, n]), color=colour, line_width=2)
+                plotter.add_mesh(pyvista.lines_from_points(position[:, n]), color=colour, line_width=4)
             for number, moment in enumerate(moments, start=1):
                 ball = _balls(position[moment, n : n + 1], run.diameter[n : n + 1])
                 opacity = 0.25 + 0.75 * (number / len(moments)) ** 2
@@ -97,12 +97,14 @@ def _render(run: RunFolder, path: Path) -> None:
         balls = _balls(inside, run.diameter)
         plotter.add_mesh(balls, color=PALETTE[0], smooth_shading=True, specular=0.3)
     plotter.camera_position = [(1.0, -1.9, 0.55), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
+    plotter.enable_parallel_projection()
     plotter.reset_camera()
     picture = plotter.screenshot(return_img=True)
     drawn = (picture < 255).any(axis=2)
     rows, columns = (np.flatnonzero(drawn.any(axis=n)) for n in (1, 0))
+    cut = Image.fromarray(picture[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1])
     with replacing(path) as temporary:
-        Image.fromarray(picture[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]).save(temporary)
+        cut.reduce(2).save(temporary)   # drawn at twice the size: smooth edges with any renderer
 
 
 def _balls(centres: Floats, diameter: Floats) -> Any:

@@ -116,23 +116,25 @@ def plot_flow(
     -------
     pathlib.Path
     """
-    size = np.asarray(box, np.float64)
-    width, height = size[plane.across], size[plane.up]
-    panels = int(np.clip(round(2.2 * height / width), 2, 5))
-    last = slices.times[-1]
-    wanted = np.linspace(last / panels, last, panels) if at is None else np.asarray(at, np.float64)
-    steps = np.unique([int(np.argmin(np.abs(slices.times - time))) for time in wanted])
-    tall = float(np.clip(1.7 * height / width, 2.6, 5.2))
+    size, repeat = np.asarray(box, np.float64), np.asarray(period, np.float64)
     factor, unit = length_unit(size)
+    width, height = factor * size[plane.across], factor * size[plane.up]
+    follows = tracks is not None and 0 < tracks.count <= 8 and repeat[plane.up] == 0.0
+    window = min(height, 2.0 * width) if follows else height   # of a tall tank the part around the bodies
+    steps = _steps(slices.times, at, int(np.clip(round(2.2 * window / width), 2, 5)))
+    tall = float(np.clip(1.7 * window / width, 2.6, 5.2))
     speed_factor, speed_unit = length_unit(slices.top_speed)
-    with drawing(max(3.4, len(steps) * tall * width / height + 1.5), tall + 0.9) as figure:
-        all_axes = figure.subplots(1, len(steps), sharey=True, squeeze=False)[0]
+    with drawing(max(3.4, len(steps) * (tall * width / window + 0.2) + 1.5), tall + 0.9) as figure:
+        all_axes = figure.subplots(1, len(steps), sharey=not follows, squeeze=False)[0]
         for axes, step in zip(all_axes, steps, strict=True):
-            image = _slice(axes, slices, step, factor * width, factor * height, speed_factor)
+            image = _slice(axes, slices, step, width, height, speed_factor)
             if tracks is not None:
                 centres = factor * body_positions(tracks, slices.times[step])
-                d, repeat = factor * np.asarray(diameter), factor * np.asarray(period)
-                _discs(axes, centres, d, repeat, plane, factor * plane.position)
+                d = factor * np.asarray(diameter, np.float64)
+                _discs(axes, centres, d, factor * repeat, plane, factor * plane.position)
+                if follows:
+                    middle = np.clip(centres[:, plane.up].mean(), 0.5 * window, height - 0.5 * window)
+                    axes.set_ylim(middle - 0.5 * window, middle + 0.5 * window)
             axes.set_title(f"t = {slices.times[step]:.3g} s")
             axes.set_xlabel(f"{'xyz'[plane.across]} [{unit}]")
         all_axes[0].set_ylabel(f"{'xyz'[plane.up]} [{unit}]")
@@ -140,6 +142,12 @@ def plot_flow(
         figure.colorbar(image, ax=list(all_axes), label=label, aspect=30, pad=0.02, shrink=0.85, extend="max")
         where = f"Plane {'xyz'[plane.normal]} = {factor * plane.position:.3g} {unit}."
         return save(figure, path, f"{caption}. {where}")
+
+
+def _steps(times: Floats, at: ArrayLike | None, panels: int) -> NDArray[np.int64]:
+    """Numbers of the stored steps nearest to the times asked for."""
+    wanted = np.linspace(times[-1] / panels, times[-1], panels) if at is None else np.asarray(at, np.float64)
+    return np.unique([int(np.argmin(np.abs(times - time))) for time in wanted])
 
 
 def _slice(axes: Axes, slices: Slices, step: int, width: float, height: float, factor: float) -> Any:

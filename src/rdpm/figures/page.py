@@ -1,4 +1,4 @@
-"""The parts of a self-contained HTML page: text, tables, pictures and film, nothing fetched from elsewhere."""
+"""The parts of a self-contained HTML page: text, tables, pictures, film; nothing comes from elsewhere."""
 
 from __future__ import annotations
 

@@ -87,7 +87,8 @@ def _draw(run: RunFolder, slices: Slices | None, figures: Path) -> list[tuple[Pa
     tracks = run.tracks
     if slices is not None:
         path = figures / "flow.png"
-        plot_flow(path, slices, tracks, run.diameter, run.box, run.period, run.plane, about)
+        at = _telling_times(run)
+        plot_flow(path, slices, tracks, run.diameter, run.box, run.period, run.plane, about, at)
         drawn.append((path, "Speed of the fluid (colour) and velocity in the plane (arrows) at a few times."))
     if tracks is not None and tracks.count:
         path = figures / "settling_velocity.png"
@@ -112,6 +113,14 @@ def _draw(run: RunFolder, slices: Slices | None, figures: Path) -> list[tuple[Pa
         path = plots.plot_history(figures / "history.png", run.history, about)
         drawn.append((path, "Energies, CFL number, divergence, slip and overlap: the health of the run."))
     return drawn
+
+
+def _telling_times(run: RunFolder) -> list[float] | None:
+    """Drafting, kiss, turning, tumble and end of a pair that does all that."""
+    kiss, tumble = (run.phases.kiss_time_s, run.phases.tumble_time_s) if run.phases else (None, None)
+    if kiss is None or tumble is None or run.tracks is None:
+        return None
+    return [0.6 * kiss, kiss, 0.5 * (kiss + tumble), tumble, float(run.tracks.times[-1])]
 
 
 def _moving(slices: Slices) -> Slices | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -85,7 +86,8 @@ def save(figure: Figure, path: str | Path, caption: str) -> Path:
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    lines = textwrap.wrap(caption, int(figure.get_figwidth() * 16))
+    together = re.sub(r"(?<=\d) (?=[a-zA-Z])| (?==)|(?<==) |(?<=Pa) ", "\N{NO-BREAK SPACE}", caption)
+    lines = textwrap.wrap(together, int(figure.get_figwidth() * 16))
     figure.supxlabel("\n".join(lines), fontsize=7.5, color="#555555", x=0.01, ha="left")
     with replacing(path) as temporary:
         figure.savefig(temporary, format="png")

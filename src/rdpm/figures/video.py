@@ -16,7 +16,7 @@ from rdpm.figures.run_folder import Plane, Tracks
 from rdpm.figures.style import FLOW_MAP, PALETTE, length_unit
 from rdpm.io.files import replacing
 
-__all__ = ["Film", "make_video"]
+__all__ = ["Film", "make_video", "orientations"]
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
@@ -111,7 +111,7 @@ def make_video(path: str | Path, film: Film, frames: int = 100, rate: int = 20) 
 
 def _pictures(film: Film, times: Floats) -> Iterator[Pixels]:
     canvas = _Canvas(film)
-    turned = _orientations(film.tracks, times)
+    turned = orientations(film.tracks, times)
     for n, time in enumerate(times):
         picture = canvas.background(time)
         if film.tracks is not None:
@@ -119,8 +119,11 @@ def _pictures(film: Film, times: Floats) -> Iterator[Pixels]:
         yield canvas.framed(picture, time)
 
 
-def _orientations(tracks: Tracks | None, times: Floats) -> Floats:
-    """Matrices that turn body axes into box axes, from the angular velocities: (F, N, 3, 3)."""
+def orientations(tracks: Tracks | None, times: Floats) -> Floats:
+    """Matrices that turn body axes into box axes at given times: (F, N, 3, 3).
+
+    The angular velocities of the table are integrated from an upright start, by the trapezoidal rule.
+    """
     if tracks is None:
         return np.empty((len(times), 0, 3, 3))
     omega = np.nan_to_num(tracks.angular_velocity)

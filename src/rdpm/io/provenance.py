@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import platform
 import sys
 from datetime import UTC, datetime
@@ -16,6 +15,7 @@ import numpy as np
 import rdpm
 from rdpm.errors import CaseError
 from rdpm.io.files import replacing
+from rdpm.parallel.threads import available_threads
 
 __all__ = ["environment", "peak_memory_bytes", "read_json", "write_json"]
 
@@ -40,7 +40,7 @@ def environment() -> dict[str, Any]:
         "numpy": np.__version__,
         "platform": platform.platform(),
         "cpu": _cpu(),
-        "threads": _threads(),
+        "threads": available_threads(),
         "date_utc": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 
@@ -52,15 +52,6 @@ def _cpu() -> str:
         lines = []
     names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
     return next(names, "") or platform.processor() or platform.machine()
-
-
-def _threads() -> int:
-    asked = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
-    if asked.isdigit() and int(asked) > 0:
-        return int(asked)
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def peak_memory_bytes() -> int:

@@ -79,7 +79,6 @@ def phases(
     times : array_like, (T,), [s]
         Increasing; at least two.
     position_0, position_1 : array_like, (T, 3), [m]
-        Centres of the two spheres.
     diameter_0, diameter_1 : float, [m]
         > 0.
     gravity : array_like, (3,), [m/s^2]
@@ -89,10 +88,6 @@ def phases(
     period : array_like, (3,), optional, [m]
         Length of the box along periodic directions, 0 along others.
 
-    Returns
-    -------
-    DktPhases
-
     Raises
     ------
     ValueError
@@ -100,8 +95,6 @@ def phases(
 
     Examples
     --------
-    A sphere comes down on a fixed one at 1 m/s, from a gap of one diameter:
-
     >>> t = np.linspace(0.0, 1.0, 11)
     >>> above = np.stack([0 * t, 0 * t, 2.0 - t], axis=1)
     >>> found = phases(t, np.zeros((11, 3)), above, 1.0, 1.0, (0, 0, -9.81), 1e-3)

@@ -1,9 +1,10 @@
 // Diffusion in large stable steps: the Runge-Kutta-Legendre scheme of second order with a constant source.
 //
 // Meyer, Balsara, Aslam, J. Comput. Phys. 257 (2014) 594, eqs 16-17. Written for the change D = Y - Y_0: with
-// M = nu lap(Y_0) + source, every stage is D_j = mu_j D_{j-1} + nu_j D_{j-2} + dt (mu~_j nu lap(D_{j-1}) + (mu~_j + gamma~_j) M),
-// so that only M is read, moving walls drop out, and a thread can recompute its neighbours' edge planes by itself.
-// All stages run over a few planes while these are in cache: stage j is one plane behind stage j-1.
+// M = nu lap(Y_0) + source, every stage is D_j = mu_j D_{j-1} + nu_j D_{j-2} + dt (mu~_j nu lap(D_{j-1}) +
+// (mu~_j + gamma~_j) M), so that only M is read, moving walls drop out, and a thread can recompute its
+// neighbours' edge planes by itself. All stages run over a few planes while these are in cache: stage j is
+// one plane behind stage j-1.
 #pragma once
 #include <omp.h>
 
@@ -15,7 +16,8 @@
 namespace rdpm {
 
 struct Stage {
-    double last, before, laplacian, rate;  // weights of D_{j-1}, D_{j-2}, dt nu lap(D_{j-1}) [nu excluded], dt M
+    double last, before, laplacian,
+        rate;  // weights of D_{j-1}, D_{j-2}, dt nu lap(D_{j-1}) [nu excluded], dt M
 };
 
 inline std::vector<Stage> legendre_stages(int stages, double dt) {
@@ -31,7 +33,8 @@ inline std::vector<Stage> legendre_stages(int stages, double dt) {
     return all;
 }
 
-// Weights with which the planes below and above enter, and whether they are the plane itself (mirrored at a side).
+// Weights with which the planes below and above enter, and whether they are the plane itself (mirrored at a
+// side).
 struct EndPlane {
     bool is_self;
     double weight;
@@ -48,8 +51,8 @@ inline EndPlane end_plane(const Grid& g, int k, int neighbour, int component) {
 }
 
 // velocity += D_s for one component. `scratch`: 3 (stages-1) planes a thread.
-inline void stabilised_diffusion(const Grid& g, double* velocity, const double* rate, int component, double nu,
-                                 const std::vector<Stage>& stage, double* scratch) {
+inline void stabilised_diffusion(const Grid& g, double* velocity, const double* rate, int component,
+                                 double nu, const std::vector<Stage>& stage, double* scratch) {
     const int stages = static_cast<int>(stage.size()), nx = g.nx(), ny = g.ny(), nz = g.nz();
     const std::size_t plane = g.plane(), row = g.row();
     const double cx = nu / (g.spacing[0] * g.spacing[0]), cy = nu / (g.spacing[1] * g.spacing[1]),
@@ -66,7 +69,9 @@ inline void stabilised_diffusion(const Grid& g, double* velocity, const double* 
         const auto ring = [&](int j, int k) {  // plane k of D_j, 1 <= j < stages
             return mine + (3 * (j - 1) + ((k % 3) + 3) % 3) * plane;
         };
-        const auto rate_plane = [&](int k) { return rate + (wraps ? ((k - 1 + 2 * nz) % nz) + 1 : k) * plane; };
+        const auto rate_plane = [&](int k) {
+            return rate + (wraps ? ((k - 1 + 2 * nz) % nz) + 1 : k) * plane;
+        };
         for (int tick = first - (stages - 1); tick < last + stages - 1; ++tick) {
             for (int j = 1; j <= stages; ++j) {
                 const int k = tick - (j - 1), reach = stages - j;
@@ -91,10 +96,12 @@ inline void stabilised_diffusion(const Grid& g, double* velocity, const double* 
                 const double* before = j > 2 ? ring(j - 2, k) : c;
                 const double w_before = j > 2 ? s.before : 0.0;
                 const double bx = s.laplacian * cx, by = s.laplacian * cy, bz = s.laplacian * cz;
-                const double centre_weight = s.last - 2.0 * (bx + by + bz), b_lo = bz * lo.weight, b_hi = bz * hi.weight;
+                const double centre_weight = s.last - 2.0 * (bx + by + bz), b_lo = bz * lo.weight,
+                             b_hi = bz * hi.weight;
                 const auto change = [&](std::size_t i) {
-                    return centre_weight * c[i] + bx * (c[i + 1] + c[i - 1]) + by * (c[i + row] + c[i - row]) +
-                           b_lo * below[i] + b_hi * above[i] + w_before * before[i] + s.rate * m[i];
+                    return centre_weight * c[i] + bx * (c[i + 1] + c[i - 1]) +
+                           by * (c[i + row] + c[i - row]) + b_lo * below[i] + b_hi * above[i] +
+                           w_before * before[i] + s.rate * m[i];
                 };
                 if (j < stages) {
                     double* out = ring(j, k);

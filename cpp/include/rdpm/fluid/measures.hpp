@@ -27,7 +27,8 @@ inline double largest_divergence(const Grid& g, VelocityArrays q) {
     return most;
 }
 
-// Cell-centred velocity and pressure for output: velocity (nz, ny, nx, 3), pressure (nz, ny, nx), single precision.
+// Cell-centred velocity and pressure for output: velocity (nz, ny, nx, 3), pressure (nz, ny, nx), single
+// precision.
 inline void cell_values(const Grid& g, VelocityArrays q, const double* p, double density, float* velocity,
                         float* pressure) {
     const std::size_t row = g.row(), plane = g.plane();

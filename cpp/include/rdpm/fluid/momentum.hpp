@@ -1,7 +1,8 @@
 // Momentum: advection and diffusion of the staggered velocity, Adams-Bashforth 2 in time.
 //
-// Point functions give the tendency of one face from a window of planes; the loops walk the planes from bottom to top and
-// write the new velocity over the old, behind copies of the last two old planes, so that no second velocity exists.
+// Point functions give the tendency of one face from a window of planes; the loops walk the planes from
+// bottom to top and write the new velocity over the old, behind copies of the last two old planes, so that no
+// second velocity exists.
 #pragma once
 #include <omp.h>
 
@@ -23,9 +24,13 @@ struct Tendency {
     std::size_t row;
 
     Tendency(const Grid& g, double nu)
-        : ax(0.25 / g.spacing[0]), ay(0.25 / g.spacing[1]), az(0.25 / g.spacing[2]),
-          dx(nu / (g.spacing[0] * g.spacing[0])), dy(nu / (g.spacing[1] * g.spacing[1])),
-          dz(nu / (g.spacing[2] * g.spacing[2])), row(g.row()) {}
+        : ax(0.25 / g.spacing[0]),
+          ay(0.25 / g.spacing[1]),
+          az(0.25 / g.spacing[2]),
+          dx(nu / (g.spacing[0] * g.spacing[0])),
+          dy(nu / (g.spacing[1] * g.spacing[1])),
+          dz(nu / (g.spacing[2] * g.spacing[2])),
+          row(g.row()) {}
 
     double diffusion(const Window& q, std::size_t i) const {
         const double* c = q.here + i;
@@ -66,7 +71,8 @@ struct VelocityArrays {
     double *u, *v, *w;
 };
 
-// One row of faces: the tendency replaces the stored one, `finish(i, total)` gets now*new - then*stored - grad p + force.
+// One row of faces: the tendency replaces the stored one, `finish(i, total)` gets now*new - then*stored -
+// grad p + force.
 template <class Advection, class Finish>
 inline void momentum_row(int nx, std::size_t offset, double* stored, const double* p, const double* p_next,
                          double inverse_spacing, const MomentumStep& step, double force, Advection&& tendency,
@@ -82,8 +88,9 @@ inline void momentum_row(int nx, std::size_t offset, double* stored, const doubl
     }
 }
 
-// Planes of one thread, bottom to top. `scratch`: 9 planes a thread (three components: below, here, one saved above).
-// explicit_diffusion: velocity += dt * total in place; otherwise total + nu lap(velocity) goes to `rate`.
+// Planes of one thread, bottom to top. `scratch`: 9 planes a thread (three components: below, here, one saved
+// above). explicit_diffusion: velocity += dt * total in place; otherwise total + nu lap(velocity) goes to
+// `rate`.
 template <bool explicit_diffusion>
 inline void momentum_planes(const Grid& g, VelocityArrays q, VelocityArrays stored, VelocityArrays rate,
                             const double* p, const MomentumStep& step, double* scratch, int first, int last,
@@ -110,7 +117,8 @@ inline void momentum_planes(const Grid& g, VelocityArrays q, VelocityArrays stor
                 old[c][1] = buffer[c][1];
                 old[c][2] = k + 1 == last ? buffer[c][2] : field[c] + base + plane;
             } else {
-                for (int b = 0; b < 3; ++b) old[c][b] = field[c] + base + (b - 1) * static_cast<std::ptrdiff_t>(plane);
+                for (int b = 0; b < 3; ++b)
+                    old[c][b] = field[c] + base + (b - 1) * static_cast<std::ptrdiff_t>(plane);
             }
         }
         const Window u{old[0][0], old[0][1], old[0][2]}, v{old[1][0], old[1][1], old[1][2]},
@@ -140,12 +148,15 @@ inline void momentum_planes(const Grid& g, VelocityArrays q, VelocityArrays stor
         for (int j = 1; j <= g.ny(); ++j) {
             const std::size_t o = j * row;
             momentum_row(g.nx(), o, su, pk, pk + 1, 1.0 / g.spacing[0], step, step.force[0],
-                         tendency([&](std::size_t i) { return t.advection_u(u, v, w, i); }, u), finish(tu, u));
+                         tendency([&](std::size_t i) { return t.advection_u(u, v, w, i); }, u),
+                         finish(tu, u));
             momentum_row(g.nx(), o, sv, pk, pk + row, 1.0 / g.spacing[1], step, step.force[1],
-                         tendency([&](std::size_t i) { return t.advection_v(u, v, w, i); }, v), finish(tv, v));
+                         tendency([&](std::size_t i) { return t.advection_v(u, v, w, i); }, v),
+                         finish(tv, v));
             if (inner_face)
                 momentum_row(g.nx(), o, sw, pk, pa, 1.0 / g.spacing[2], step, step.force[2],
-                             tendency([&](std::size_t i) { return t.advection_w(u, v, w, i); }, w), finish(tw, w));
+                             tendency([&](std::size_t i) { return t.advection_w(u, v, w, i); }, w),
+                             finish(tw, w));
         }
         if constexpr (explicit_diffusion)
             for (int c = 0; c < 3; ++c) std::swap(buffer[c][0], buffer[c][1]);
@@ -153,8 +164,8 @@ inline void momentum_planes(const Grid& g, VelocityArrays q, VelocityArrays stor
 }
 
 template <bool explicit_diffusion>
-inline void momentum(const Grid& g, VelocityArrays q, VelocityArrays stored, VelocityArrays rate, const double* p,
-                     const MomentumStep& step, double* scratch) {
+inline void momentum(const Grid& g, VelocityArrays q, VelocityArrays stored, VelocityArrays rate,
+                     const double* p, const MomentumStep& step, double* scratch) {
     const int threads = std::min(g.threads, g.nz());
 #pragma omp parallel num_threads(threads)
     {
@@ -163,8 +174,8 @@ inline void momentum(const Grid& g, VelocityArrays q, VelocityArrays stored, Vel
         const auto wait = [] {
 #pragma omp barrier
         };
-        momentum_planes<explicit_diffusion>(g, q, stored, rate, p, step, scratch + 9 * me * g.plane(), first, last,
-                                            wait);
+        momentum_planes<explicit_diffusion>(g, q, stored, rate, p, step, scratch + 9 * me * g.plane(), first,
+                                            last, wait);
     }
 }
 

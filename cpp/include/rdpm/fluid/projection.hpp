@@ -1,9 +1,10 @@
 // Projection: the velocity made divergence-free by one direct Poisson solve, streamed through the cache.
 //
-// Inwards, from both ends of z to the middle, a few planes at a time: divergence -> transform in x and y -> elimination in z.
-// Outwards, back: substitution -> inverse transform -> correction of velocity and pressure while the plane is in cache.
-// The two halves are independent until they meet, so two threads never wait for each other in between; more threads share the
-// planes of a batch and the rows of modes. The arithmetic, and so the result, is the same for any number of threads.
+// Inwards, from both ends of z to the middle, a few planes at a time: divergence -> transform in x and y ->
+// elimination in z. Outwards, back: substitution -> inverse transform -> correction of velocity and pressure
+// while the plane is in cache. The two halves are independent until they meet, so two threads never wait for
+// each other in between; more threads share the planes of a batch and the rows of modes. The arithmetic, and
+// so the result, is the same for any number of threads.
 #pragma once
 #include <omp.h>
 
@@ -21,8 +22,8 @@
 namespace rdpm {
 
 struct FlowMeasures {
-    double cfl_rate = 0.0;     // max over cells of sum |u_d| / spacing_d [1/s]
-    double square_sum = 0.0;   // sum of u^2 + v^2 + w^2 over faces [m^2/s^2]; not finite where anything is
+    double cfl_rate = 0.0;    // max over cells of sum |u_d| / spacing_d [1/s]
+    double square_sum = 0.0;  // sum of u^2 + v^2 + w^2 over faces [m^2/s^2]; not finite where anything is
 };
 
 // Waits for a small team: a short spin, then the processor is given away.
@@ -50,16 +51,22 @@ class TeamBarrier {
 class Projection {
   public:
     explicit Projection(const Grid& g)
-        : g_(g), transform_(g),
+        : g_(g),
+          transform_(g),
           solver_(g.nx(), g.ny(), g.nz(), g.spacing[2],
                   mode_eigenvalues(g.nx(), g.spacing[0], g.boundary[0] == periodic),
-                  mode_eigenvalues(g.ny(), g.spacing[1], g.boundary[1] == periodic), g.boundary[2] == periodic),
-          carry_{modes(), modes()}, gather_{solver_.is_periodic() ? modes() : std::vector<double>{}, solver_.is_periodic() ? modes() : std::vector<double>{}},
-          plane_cfl_(g.nz() + 2), plane_square_(g.nz() + 2) {}
+                  mode_eigenvalues(g.ny(), g.spacing[1], g.boundary[1] == periodic),
+                  g.boundary[2] == periodic),
+          carry_{modes(), modes()},
+          gather_{solver_.is_periodic() ? modes() : std::vector<double>{},
+                  solver_.is_periodic() ? modes() : std::vector<double>{}},
+          plane_cfl_(g.nz() + 2),
+          plane_square_(g.nz() + 2) {}
 
     std::size_t bytes() const { return solver_.bytes() + 4 * carry_[0].size() * sizeof(double); }
 
-    // u, v, w -> divergence-free; p += phi - rotational * div(u before); phi: the pressure increment [m^2/s^2].
+    // u, v, w -> divergence-free; p += phi - rotational * div(u before); phi: the pressure increment
+    // [m^2/s^2].
     FlowMeasures project(VelocityArrays q, double* p, double* phi, double dt, double rotational) {
         q_ = q;
         p_ = p;
@@ -77,7 +84,9 @@ class Projection {
     }
 
   private:
-    std::vector<double> modes() const { return std::vector<double>(static_cast<std::size_t>(g_.nx()) * g_.ny()); }
+    std::vector<double> modes() const {
+        return std::vector<double>(static_cast<std::size_t>(g_.nx()) * g_.ny());
+    }
     double* inner(int k) const { return phi_ + k * g_.plane() + g_.row() + 1; }
     int plane_of(int half, int t) const { return half == 0 ? t + 1 : core() - t; }
     int core() const { return g_.nz() - (solver_.is_periodic() ? 1 : 0); }
@@ -96,7 +105,8 @@ class Projection {
                 for (int half = 0; half < 2; ++half) outwards<with_flow>(half, 0, 1);
             } else {
                 const int lower_team = all / 2, half = me < lower_team ? 0 : 1;
-                const int team = half == 0 ? lower_team : all - lower_team, rank = half == 0 ? me : me - lower_team;
+                const int team = half == 0 ? lower_team : all - lower_team,
+                          rank = half == 0 ? me : me - lower_team;
                 inwards<with_flow>(half, rank, team);
 #pragma omp barrier
                 meet(me, all);
@@ -104,7 +114,8 @@ class Projection {
                 outwards<with_flow>(half, rank, team);
             }
         }
-        if (solver_.is_periodic()) transform_.backward(inner(g_.nz()));  // X, until now read as a plane of modes
+        if (solver_.is_periodic())
+            transform_.backward(inner(g_.nz()));  // X, until now read as a plane of modes
     }
 
     void prepare_normal_faces() {
@@ -138,7 +149,8 @@ class Projection {
             double* out = phi_ + base + o;
 #pragma omp simd
             for (int i = 1; i <= nx; ++i)
-                out[i] = (u[o + i] - u[o + i - 1]) * ix + (v[o + i] - v[o + i - row]) * iy + (w[o + i] - below[o + i]) * iz;
+                out[i] = (u[o + i] - u[o + i - 1]) * ix + (v[o + i] - v[o + i - row]) * iy +
+                         (w[o + i] - below[o + i]) * iz;
         }
     }
     void scale_right_hand_side(int k) const {
@@ -177,13 +189,15 @@ class Projection {
     void meet(int rank, int team) {
         const auto [first, last] = share_of(g_.ny(), rank, team);
         const int nx = g_.nx();
-        const double *lower = inner(plane_of(0, solver_.planes(0) - 1)), *upper = inner(plane_of(1, solver_.planes(1) - 1));
+        const double *lower = inner(plane_of(0, solver_.planes(0) - 1)),
+                     *upper = inner(plane_of(1, solver_.planes(1) - 1));
         for (int j = first - 1; j < last - 1; ++j) {
             double *a = carry_[0].data() + j * nx, *b = carry_[1].data() + j * nx;
             std::copy_n(lower + j * g_.row(), nx, a);
             std::copy_n(upper + j * g_.row(), nx, b);
             if (solver_.is_periodic())
-                solver_.meet(j, a, b, gather_[0].data() + j * nx, gather_[1].data() + j * nx, inner(g_.nz()) + j * g_.row());
+                solver_.meet(j, a, b, gather_[0].data() + j * nx, gather_[1].data() + j * nx,
+                             inner(g_.nz()) + j * g_.row());
             else
                 solver_.meet(j, a, b, nullptr, nullptr, nullptr);
         }
@@ -223,9 +237,11 @@ class Projection {
         const int nx = g_.nx();
         const std::size_t row = g_.row(), plane = g_.plane(), base = k * plane;
         fill_plane_halo(g_, phi_ + base, centre);
-        const double *u = q_.u + base, *v = q_.v + base, *w = q_.w + base, *w_below = w - plane, *phi = phi_ + base;
+        const double *u = q_.u + base, *v = q_.v + base, *w = q_.w + base, *w_below = w - plane,
+                     *phi = phi_ + base;
         double* p = p_ + base;
-        const double ix = rotational_ / g_.spacing[0], iy = rotational_ / g_.spacing[1], iz = rotational_ / g_.spacing[2];
+        const double ix = rotational_ / g_.spacing[0], iy = rotational_ / g_.spacing[1],
+                     iz = rotational_ / g_.spacing[2];
         for (int j = 1; j <= g_.ny(); ++j) {
             const std::size_t o = j * row;
             if (rotational_ == 0.0) {
@@ -234,8 +250,9 @@ class Projection {
             } else {
 #pragma omp simd
                 for (int i = 1; i <= nx; ++i)
-                    p[o + i] += phi[o + i] - ((u[o + i] - u[o + i - 1]) * ix + (v[o + i] - v[o + i - row]) * iy +
-                                              (w[o + i] - w_below[o + i]) * iz);
+                    p[o + i] +=
+                        phi[o + i] - ((u[o + i] - u[o + i - 1]) * ix + (v[o + i] - v[o + i - row]) * iy +
+                                      (w[o + i] - w_below[o + i]) * iz);
             }
         }
         fill_plane_halo(g_, p, centre);
@@ -295,7 +312,8 @@ class Projection {
         plane_square_[k] = sum;
     }
 
-    // What lies between the halves and across the ends, then the end planes' halos and the sums in fixed order.
+    // What lies between the halves and across the ends, then the end planes' halos and the sums in fixed
+    // order.
     FlowMeasures close() {
         const int nz = g_.nz(), middle = plane_of(0, solver_.planes(0) - 1);
         if (solver_.is_periodic()) {

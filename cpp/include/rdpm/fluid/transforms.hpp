@@ -14,7 +14,8 @@ class PlaneTransform {
   public:
     explicit PlaneTransform(const Grid& g)
         : shape_{static_cast<std::size_t>(g.ny()), static_cast<std::size_t>(g.nx())},
-          stride_{static_cast<std::ptrdiff_t>(g.row()), 1}, periodic_{g.boundary[1] == periodic, g.boundary[0] == periodic} {}
+          stride_{static_cast<std::ptrdiff_t>(g.row()), 1},
+          periodic_{g.boundary[1] == periodic, g.boundary[0] == periodic} {}
 
     // The factor that makes backward(forward(q)) the identity.
     double normalisation() const {
@@ -53,7 +54,8 @@ class PlaneTransform {
 inline std::vector<double> mode_eigenvalues(int n, double spacing, bool is_periodic) {
     std::vector<double> value(n);
     for (int m = 0; m < n; ++m) {
-        const double angle = is_periodic ? 2.0 * std::numbers::pi * ((m + 1) / 2) / n : std::numbers::pi * m / n;
+        const double angle =
+            is_periodic ? 2.0 * std::numbers::pi * ((m + 1) / 2) / n : std::numbers::pi * m / n;
         const double s = 2.0 * std::sin(0.5 * angle) / spacing;
         value[m] = s * s;
     }

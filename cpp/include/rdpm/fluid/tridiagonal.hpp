@@ -1,9 +1,10 @@
 // The tridiagonal solve along z of every mode, eliminated from both ends towards the middle.
 //
-// Row k of a mode: b x_k - x_{k-1} - x_{k+1} = r_k, b = 2 + lambda dz^2. Elimination gives x_k = g_k + c_k x_{k+1} (+ e_k X where
-// the direction is periodic: X is the value of the last plane, left out of the elimination and found at the end).
-// c_k tends to the mode's decay rate rho and e_k to zero within a few planes except for the longest waves, which come first in
-// every row of modes: only those few leave their limit and are stored.
+// Row k of a mode: b x_k - x_{k-1} - x_{k+1} = r_k, b = 2 + lambda dz^2. Elimination gives x_k = g_k + c_k
+// x_{k+1} (+ e_k X where the direction is periodic: X is the value of the last plane, left out of the
+// elimination and found at the end). c_k tends to the mode's decay rate rho and e_k to zero within a few
+// planes except for the longest waves, which come first in every row of modes: only those few leave their
+// limit and are stored.
 #pragma once
 #include <cmath>
 #include <cstddef>
@@ -25,8 +26,12 @@ class LeadingModes {
         }
     }
     int count(int plane, int j) const { return count_[static_cast<std::size_t>(plane) * ny_ + j]; }
-    const double* row(int plane, int j) const { return data_.data() + first_[static_cast<std::size_t>(plane) * ny_ + j]; }
-    std::size_t bytes() const { return data_.size() * sizeof(double) + count_.size() * (sizeof(int) + sizeof(std::size_t)); }
+    const double* row(int plane, int j) const {
+        return data_.data() + first_[static_cast<std::size_t>(plane) * ny_ + j];
+    }
+    std::size_t bytes() const {
+        return data_.size() * sizeof(double) + count_.size() * (sizeof(int) + sizeof(std::size_t));
+    }
 
   private:
     int nx_, ny_;
@@ -35,9 +40,10 @@ class LeadingModes {
     std::vector<int> count_;
 };
 
-struct Half {           // of the planes, from its end (t = 0) to the middle (t = planes - 1)
+struct Half {  // of the planes, from its end (t = 0) to the middle (t = planes - 1)
     int planes = 0;
-    std::vector<double> c, e, sum;  // at the middle: c, product of all c, and the sum of e_{t-1} e_t; a plane of modes each
+    std::vector<double> c, e,
+        sum;  // at the middle: c, product of all c, and the sum of e_{t-1} e_t; a plane of modes each
 };
 
 class Tridiagonal {
@@ -64,7 +70,8 @@ class Tridiagonal {
     bool is_periodic() const { return periodic_; }
     std::size_t bytes() const { return c_.bytes() + e_.bytes() + 8 * rho_.size() * sizeof(double); }
 
-    // Row j of plane t of a half: r -> g, in place. `inner`: g of plane t-1; `gather`: running sum for the periodic closure.
+    // Row j of plane t of a half: r -> g, in place. `inner`: g of plane t-1; `gather`: running sum for the
+    // periodic closure.
     void eliminate(int t, int j, double* r, const double* inner, double* gather) const {
         const int n = c_.count(t, j);
         const double *c = c_.row(t, j), *rho = rho_.data() + static_cast<std::size_t>(j) * nx_;
@@ -95,13 +102,15 @@ class Tridiagonal {
         for (int i = 0, m = e_.count(t, j); i < m; ++i) carry[i] += e[i] * closing[i];
     }
 
-    // Row j where the halves meet: g of both middle planes -> their x; with a periodic direction r of the last plane -> X.
+    // Row j where the halves meet: g of both middle planes -> their x; with a periodic direction r of the
+    // last plane -> X.
     void meet(int j, double* lower, double* upper, const double* gather_lower, const double* gather_upper,
               double* closing) const {
         const std::size_t o = static_cast<std::size_t>(j) * nx_;
         for (int i = 0; i < nx_; ++i) {
             const double cl = half_[0].c[o + i], cu = half_[1].c[o + i];
-            const bool singular = j == 0 && i == 0;  // the mean of the box: any constant solves it, one is chosen
+            const bool singular =
+                j == 0 && i == 0;  // the mean of the box: any constant solves it, one is chosen
             if (!periodic_) {
                 if (singular) {
                     upper[i] = 0.0;

@@ -14,9 +14,9 @@ enum Boundary : int { periodic = 0, wall = 1, free_slip = 2 };  // of a pair of 
 enum Location : int { face_x = 0, face_y = 1, face_z = 2, centre = 3 };
 
 struct Grid {
-    std::array<int, 3> cells{};          // nx, ny, nz
-    std::array<double, 3> spacing{};     // dx, dy, dz [m]
-    std::array<int, 3> boundary{};       // of the x, y, z pairs
+    std::array<int, 3> cells{};           // nx, ny, nz
+    std::array<double, 3> spacing{};      // dx, dy, dz [m]
+    std::array<int, 3> boundary{};        // of the x, y, z pairs
     std::array<double, 18> side_speed{};  // [side][component] [m/s]; sides x_lower, x_upper, y_lower, ...
     int threads = 1;
 
@@ -29,7 +29,9 @@ struct Grid {
     double speed_of_side(int side, int component) const { return side_speed[3 * side + component]; }
 
     // Planes whose normal face is inside the box: the last face of a walled direction is the wall itself.
-    int last_face(int direction) const { return cells[direction] - (boundary[direction] == periodic ? 0 : 1); }
+    int last_face(int direction) const {
+        return cells[direction] - (boundary[direction] == periodic ? 0 : 1);
+    }
 };
 
 // The planes [first, last) of 1..n that thread `t` of `threads` owns.
@@ -38,7 +40,8 @@ inline std::array<int, 2> share_of(int n, int t, int threads) {
             1 + static_cast<int>(static_cast<long>(n) * (t + 1) / threads)};
 }
 
-// A halo value beyond a side is `sign * inner + offset`: -1 and twice the wall's speed at a no-slip wall, +1 at free slip.
+// A halo value beyond a side is `sign * inner + offset`: -1 and twice the wall's speed at a no-slip wall, +1
+// at free slip.
 struct Mirror {
     double sign, offset;
 };

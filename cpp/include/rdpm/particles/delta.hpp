@@ -1,4 +1,5 @@
-// The regularised delta: three points wide (Roma, Peskin, Berger, J. Comput. Phys. 153 (1999) 509), folded at the sides.
+// The regularised delta: three points wide (Roma, Peskin, Berger, J. Comput. Phys. 153 (1999) 509), folded at
+// the sides.
 #pragma once
 #include <cmath>
 
@@ -36,7 +37,8 @@ inline Stencil stencil_along(const Grid& g, int d, double x, int location) {
             while (i < 1) i += n;
             while (i > n) i -= n;
         } else if (on_faces) {
-            // Odd about the wall, where the face itself is at rest; a face at or beyond index n mirrors to 2n - i.
+            // Odd about the wall, where the face itself is at rest; a face at or beyond index n mirrors to 2n
+            // - i.
             if (i == 0 || i == n) {
                 weight = 0.0;
                 i = 1;

@@ -1,7 +1,8 @@
 // Markers and grid: interpolation and spreading, exact adjoints, and the sums over each body's markers.
 //
-// A marker's stencils are made once a step. Spreading is shared by planes: markers are visited in the order of their lowest
-// plane, every thread adds only to the planes it owns, so no two threads touch a value and the order of a sum is fixed.
+// A marker's stencils are made once a step. Spreading is shared by planes: markers are visited in the order
+// of their lowest plane, every thread adds only to the planes it owns, so no two threads touch a value and
+// the order of a sum is fixed.
 #pragma once
 #include <omp.h>
 
@@ -14,7 +15,8 @@
 namespace rdpm {
 
 // Stencils of one marker: [0] at centres, [1] on faces, along each direction, for each component they serve.
-// Component c needs faces along c and centres elsewhere; at a side the sign depends on the component only through c == d.
+// Component c needs faces along c and centres elsewhere; at a side the sign depends on the component only
+// through c == d.
 struct MarkerStencils {
     Stencil centre_of[3], face_of[3];
     const Stencil& along(int d, int component) const { return d == component ? face_of[d] : centre_of[d]; }
@@ -49,7 +51,8 @@ inline double interpolate_component(const Grid& g, const double* q, const Marker
         const double* plane = q + z.index[c] * g.plane();
         for (int b = 0; b < 3; ++b) {
             const double* r = plane + y.index[b] * g.row();
-            in_plane += y.weight[b] * (x.weight[0] * r[x.index[0]] + x.weight[1] * r[x.index[1]] + x.weight[2] * r[x.index[2]]);
+            in_plane += y.weight[b] * (x.weight[0] * r[x.index[0]] + x.weight[1] * r[x.index[1]] +
+                                       x.weight[2] * r[x.index[2]]);
         }
         sum += z.weight[c] * in_plane;
     }
@@ -57,12 +60,14 @@ inline double interpolate_component(const Grid& g, const double* q, const Marker
 }
 
 // Velocity at the markers, (markers, 3).
-inline void interpolate(const Grid& g, const VelocityArrays& q, const MarkerStencils* stencils, int markers, double* out) {
+inline void interpolate(const Grid& g, const VelocityArrays& q, const MarkerStencils* stencils, int markers,
+                        double* out) {
     const double* field[3] = {q.u, q.v, q.w};
 #pragma omp parallel for num_threads(g.threads) schedule(static) if (markers > 256)
     for (int m = 0; m < markers; ++m)
         for (int c = 0; c < 3; ++c)
-            out[3 * m + c] = interpolate_component(g, field[c], stencils[m], c) + wall_part(g, stencils[m], c);
+            out[3 * m + c] =
+                interpolate_component(g, field[c], stencils[m], c) + wall_part(g, stencils[m], c);
 }
 
 // Order of the markers by the plane of their cell, a counting sort; `start`: nz + 3 offsets into it.
@@ -112,16 +117,18 @@ inline void spread(const Grid& g, const VelocityArrays& q, const MarkerStencils*
     }
 }
 
-// Vectors of each body's markers turned by its unit quaternion (w, x, y, z), or back; `centre` is added if given.
-inline void turn_vectors(int bodies, const std::int32_t* first, const double* orientation, const double* centre,
-                         const double* in, bool back, int threads, double* out) {
+// Vectors of each body's markers turned by its unit quaternion (w, x, y, z), or back; `centre` is added if
+// given.
+inline void turn_vectors(int bodies, const std::int32_t* first, const double* orientation,
+                         const double* centre, const double* in, bool back, int threads, double* out) {
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
     for (int b = 0; b < bodies; ++b) {
         const double *o = orientation + 4 * b, w = o[0], x = back ? -o[1] : o[1], y = back ? -o[2] : o[2],
                      z = back ? -o[3] : o[3];
-        const double turn[3][3] = {{1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)},
-                                   {2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)},
-                                   {2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)}};
+        const double turn[3][3] = {
+            {1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)},
+            {2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)},
+            {2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)}};
         for (int m = first[b]; m < first[b + 1]; ++m) {
             const double v[3] = {in[3 * m], in[3 * m + 1], in[3 * m + 2]};
             for (int c = 0; c < 3; ++c)
@@ -131,7 +138,8 @@ inline void turn_vectors(int bodies, const std::int32_t* first, const double* or
     }
 }
 
-// Of each body: sum of volume * value, sum of arm x (volume * value), in the order of its markers. (bodies, 6).
+// Of each body: sum of volume * value, sum of arm x (volume * value), in the order of its markers. (bodies,
+// 6).
 inline void sum_over_markers(int bodies, const std::int32_t* first, const double* arm, const double* volume,
                              const double* value, int threads, double* out) {
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
@@ -153,8 +161,8 @@ inline void sum_over_markers(int bodies, const std::int32_t* first, const double
 
 // change = rigid velocity of the body - velocity of the fluid there; force += change / dt.
 inline void rigid_change(int bodies, const std::int32_t* first, const double* arm, const double* velocity,
-                         const double* spin, const double* fluid, double inverse_dt, int threads, double* change,
-                         double* force) {
+                         const double* spin, const double* fluid, double inverse_dt, int threads,
+                         double* change, double* force) {
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
     for (int b = 0; b < bodies; ++b) {
         const double *v = velocity + 3 * b, *o = spin + 3 * b;

@@ -8,10 +8,11 @@
 
 namespace rdpm {
 
-// Mean velocity (3) and spin (3) of the fluid within `radius` of each centre, (bodies, 6). The fraction of a face's cell
-// inside the sphere is taken linear in the distance over one cell; sums are normalised by their own weights.
-inline void inner_motion(const Grid& g, const VelocityArrays& q, int bodies, const double* position, const double* radius,
-                         double* out) {
+// Mean velocity (3) and spin (3) of the fluid within `radius` of each centre, (bodies, 6). The fraction of a
+// face's cell inside the sphere is taken linear in the distance over one cell; sums are normalised by their
+// own weights.
+inline void inner_motion(const Grid& g, const VelocityArrays& q, int bodies, const double* position,
+                         const double* radius, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
     const double mean_spacing = std::cbrt(g.volume());
 #pragma omp parallel for num_threads(g.threads) schedule(dynamic, 1)
