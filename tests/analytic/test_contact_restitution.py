@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from rdpm import design
 from rdpm.contacts import Box, Contacts, SoftSphere
-from rdpm.design import soft_sphere as design
 from rdpm.particles.state import Bodies
 
 # One percent is promised; the located touch and end leave 0.06 % at 100 sub-steps a contact, so a tenth of

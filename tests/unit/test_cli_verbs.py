@@ -67,7 +67,7 @@ class Solver(types.ModuleType):
             ]
         )
 
-    def run_case(self, case, folder, *, threads, quiet, reporter):
+    def run_case(self, case, folder, *, threads, reporter, **_):
         self.ran.append((case, folder, threads))
         if self.fails is not None:
             raise self.fails
@@ -86,7 +86,10 @@ def solver(monkeypatch, tmp_path):
     stand_in = Solver()
     pictures = types.ModuleType("rdpm.figures.report")
     pictures.make_report = lambda folder, *, video, progress: [folder / "report.html"]
+    runner = types.ModuleType("rdpm.studies.runner")
+    runner.run_case = stand_in.run_case
     monkeypatch.setitem(sys.modules, "rdpm.setup", stand_in)
+    monkeypatch.setitem(sys.modules, "rdpm.studies.runner", runner)
     monkeypatch.setitem(sys.modules, "rdpm.figures", types.ModuleType("rdpm.figures"))
     monkeypatch.setitem(sys.modules, "rdpm.figures.report", pictures)
     for name in list(os.environ):
@@ -316,8 +319,10 @@ setup.plan = lambda case: None
 def run_case(case, folder, **_):
     print("running", flush=True)
     time.sleep(30)
-setup.run_case = run_case
+runner = types.ModuleType("rdpm.studies.runner")
+runner.run_case = run_case
 sys.modules["rdpm.setup"] = setup
+sys.modules["rdpm.studies.runner"] = runner
 from rdpm.cli.main import main
 sys.exit(main(["run", "dkt"]))
 """

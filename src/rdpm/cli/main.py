@@ -65,7 +65,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     0...
     0
     """
-    _quiet_threads()
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
         return _call(words)
@@ -102,14 +101,6 @@ def _call(words: list[str]) -> int:
         return USAGE
     result = command(*bound.args, **bound.kwargs)
     return result if isinstance(result, int) else 0
-
-
-def _quiet_threads() -> None:
-    """Let idle OpenMP threads sleep; it must be said before the first of them starts.
-
-    Threads that spin slow down a machine others use; a user's own choice stays.
-    """
-    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 
 def _first_line(error: Exception) -> str:
