@@ -58,7 +58,7 @@ def test_couette_start_up_is_second_order(normal: int, across: str, is_explicit:
     end, grids, errors = 0.1, [16, 32, 64], []
     for n in grids:
         fluid = channel(normal, n, across, is_explicit, 1.0, SPEED)
-        longest = explicit_limit(fluid.grid.spacing, 1.0) if is_explicit else 0.1 / n
+        longest = explicit_limit(fluid.grid.spacing, 1.0) if is_explicit else 0.025 / n
         steps = math.ceil(end / longest)
         advance(fluid, end / steps, steps)
         y, u = profile(fluid, normal)
