@@ -209,8 +209,8 @@ def test_a_fixed_sphere_turns_a_stream() -> None:
     )
     sim = rdpm.Simulation(case, threads=1)
     sim.run(until=1.0)
-    # All of the box is driven, the body's volume included. The flow settles as exp(-t / 75 ms), the kept forces with the
-    # slip, more slowly: 1.2e-4 of the force is left.
+    # All of the box is driven, the body's volume included. The flow settles as exp(-t / 75 ms), the kept forces
+    # with the slip, more slowly: 1.2e-4 of the force is left.
     on_box = 1000.0 * 0.5 * 0.03**3
     force = sim.system.motion.given_force[0]
     np.testing.assert_allclose(force, [0.0, 0.0, -on_box], rtol=0.0, atol=5e-4 * on_box)
