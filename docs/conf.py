@@ -34,14 +34,13 @@ napoleon_use_rtype = False
 napoleon_use_ivar = True
 
 
-def _unique_references(app, what, name, obj, options, lines):
-    """Give the numbered references of each docstring a label of its own on the page."""
-    label = re.sub(r"\W", "-", name)
+def _plain_references(app, what, name, obj, options, lines):
+    """Number the references of a docstring as a list: several share a page, and labels would clash."""
     for n, line in enumerate(lines):
-        line = re.sub(r"\[(\d)\]_", rf"[{label}-\1]_", line)
-        lines[n] = re.sub(r"^(\s*)\.\. \[(\d)\] ", rf"\1.. [{label}-\2] ", line)
+        line = re.sub(r"\[(\d)\]_", r"[\1]", line)
+        lines[n] = re.sub(r"^(\s*)\.\. \[(\d)\] ", r"\1\2. ", line)
 
 
 def setup(app):
     """Add what is particular to these pages."""
-    app.connect("autodoc-process-docstring", _unique_references, priority=400)
+    app.connect("autodoc-process-docstring", _plain_references, priority=400)

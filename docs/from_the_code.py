@@ -33,12 +33,10 @@ class Table(Directive):
 
     def run(self):
         """Give the table."""
-        lines = [".. list-table::", "   :header-rows: 1", ""]
-        for row in (self.heads, *self.rows(self.arguments[0])):
-            for n, cell in enumerate(row):
-                lines.append(f"   {'*' if n == 0 else ' '} - {cell}".rstrip())
+        lines = [self.heads, ["---"] * len(self.heads), *self.rows(self.arguments[0])]
+        text = [f"| {' | '.join(cell.replace('|', '/') for cell in row)} |" for row in lines]
         holder = nodes.container()
-        self.state.nested_parse(StringList(lines, source=self.arguments[0]), 0, holder)
+        self.state.nested_parse(StringList(text, source=self.arguments[0]), 0, holder)
         return holder.children
 
 
@@ -52,19 +50,23 @@ class CaseKeys(Table):
         module, _, model_name = name.rpartition(".")
         model = getattr(importlib.import_module(module), model_name)
         said = described(model.__doc__, "Attributes")
+        filled = model._fill({}) if hasattr(model, "_fill") else {}
         for key, field in model.model_fields.items():
             kind, text = said[key]
-            default = "required" if field.is_required() else self.shown(field.default)
-            yield f"``{key}``", kind.removesuffix(", optional"), default, text
+            is_required = field.is_required() and key not in filled
+            default = "required" if is_required else self.shown(field.get_default())
+            yield f"`{key}`", kind.removesuffix(", optional"), default, re.sub(r":meth:|`{2}", "", text)
 
     @staticmethod
     def shown(value):
         """A default as it would be written in a case file."""
-        if value is None or value == () or hasattr(value, "model_fields"):
-            return ""
         if isinstance(value, tuple):
             value = list(value)
-        return f"``{str(value).lower() if isinstance(value, bool) else repr(value)}``".replace("'", '"')
+        if isinstance(value, bool):
+            value = str(value).lower()
+        elif isinstance(value, str):
+            value = f'"{value}"'
+        return f"`{value}`" if isinstance(value, str | int | float) or (isinstance(value, list) and value) else ""
 
 
 class Verb(Table):
@@ -84,7 +86,7 @@ class Verb(Table):
             elif get_origin(hints[key]) is Annotated:
                 given = [a.name for a in get_args(hints[key]) if isinstance(a, Parameter) and a.name]
                 name = given[0][0] if given and isinstance(given[0], tuple) else given[0] if given else name
-            yield f"``{name}``", said[key][1]
+            yield f"`{name}`", said[key][1]
 
 
 def setup(app):

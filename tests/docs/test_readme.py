@@ -45,7 +45,8 @@ def test_quick_commands_print_what_is_shown(page, capsys, tmp_path, monkeypatch)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
     tried = 0
-    for language, block in re.findall(r"^```(console|toml)\n(.*?)^```", page.read_text("utf-8"), re.MULTILINE | re.DOTALL):
+    fences = re.compile(r"^```(console|toml)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+    for language, block in fences.findall(page.read_text("utf-8")):
         if language == "toml":
             edit(tmp_path / "dkt.toml", block.splitlines())
             continue
