@@ -222,13 +222,13 @@ inline void spread(const Grid& g, const VelocityArrays& q, const StencilSet& set
         const int team = omp_get_num_threads(), me = omp_get_thread_num();
         // Equal numbers of markers, cut between planes.
         const auto cut = [&](int t) {
+            if (t == 0) return 1;
+            if (t == team) return nz + 1;
             const auto share = static_cast<std::int32_t>(static_cast<long>(markers) * t / team);
-            return t == team
-                       ? nz + 1
-                       : static_cast<int>(std::upper_bound(set.below.begin() + 1, set.below.end(), share) -
-                                          set.below.begin() - 1);
+            return static_cast<int>(std::upper_bound(set.below.begin(), set.below.end(), share) -
+                                    set.below.begin() - 1);
         };
-        const int first = std::max(1, cut(me)), last = cut(me + 1);
+        const int first = cut(me), last = cut(me + 1);
         for (int b = 0; b + 1 < static_cast<int>(set.first.size()); ++b) {
             if (set.highest[b] < first || set.lowest[b] >= last) continue;
             for (int m = set.first[b]; m < set.first[b + 1]; ++m) {
