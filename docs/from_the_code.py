@@ -83,6 +83,8 @@ class Verb(Table):
             name = f"--{key.replace('_', '-')}"
             if parameter.kind is parameter.POSITIONAL_ONLY:
                 name = key.upper()
+            elif parameter.kind is parameter.VAR_POSITIONAL:
+                name = f"{key.upper()}..."
             elif get_origin(hints[key]) is Annotated:
                 given = [a.name for a in get_args(hints[key]) if isinstance(a, Parameter) and a.name]
                 name = given[0][0] if given and isinstance(given[0], tuple) else given[0] if given else name

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rdpm.cases import shipped_names
-from rdpm.cli.main import main
+from rdpm.cli.main import VERBS, main
 from rdpm.config.load import load_case
 from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, PARTICLE_COLUMNS, TIMING_COLUMNS
 from rdpm.studies.runner import run_case
@@ -96,7 +96,12 @@ def run_python(page: Path) -> None:
     exec(compile("".join(blocks(page, "python")), str(page), "exec"), {})
 
 
-def test_columns_and_keys_of_the_output_are_described():
+def test_every_verb_is_described():
+    text = (ROOT / "docs" / "reference" / "command_line.md").read_text(encoding="utf-8")
+    assert [verb for verb in VERBS if f"## `rdpm {verb}`\n" not in text] == []
+
+
+def test_columns_of_the_output_are_described():
     text = (ROOT / "docs" / "reference" / "output.md").read_text(encoding="utf-8")
     columns = {*PARTICLE_COLUMNS, *CONTACT_COLUMNS, *HISTORY_COLUMNS, *TIMING_COLUMNS}
     assert sorted(name for name in columns if f"`{name}`" not in text) == []
