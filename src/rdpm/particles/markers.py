@@ -65,7 +65,7 @@ class MarkerSet:
         self._body_force = np.zeros(size)
         self.fluid_velocity, self._change = np.zeros(size), np.zeros(size)
         self._layer_arm_square = depth**2
-        self._stencils = _core.Markers()
+        self._stencils = _core.Markers(grid.core, self.first)
 
     def __len__(self) -> int:
         return int(self.first[-1])

@@ -84,6 +84,17 @@ class Bodies:
         for name in _CHANGING:
             np.copyto(getattr(self, name), state[name])
 
+    def turn_at_random(self, members: NDArray[np.int64], seed: int) -> None:
+        """Change the orientation of some bodies to random ones, evenly over all rotations.
+
+        Parameters
+        ----------
+        members : ndarray of int, (K,)
+        seed : int
+        """
+        quaternion = np.random.default_rng(seed).standard_normal((len(members), 4))
+        self.orientation[members] = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
+
     @property
     def is_free(self) -> NDArray[np.bool_]:
         """Bodies that move under forces: (N,)."""
