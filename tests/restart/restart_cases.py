@@ -20,7 +20,7 @@ BOX = {"size": [0.03, 0.03, 0.05]}
 QUIET = {"report": False, "fields_every": 0.02}
 
 CASES = {
-    # Side by side and closing, one spinning: the contact is oblique, under way at half time, and rolls on the floor.
+    # Side by side and closing, one spinning: the contact is oblique, under way from step 12 to 37, then with the floor.
     "wet contact": {
         "domain": BOX,
         "fluid": OIL,
@@ -46,7 +46,7 @@ CASES = {
         "time": {"end": 0.1, "step": 0.004, "diffusion": "stabilised"},
         "output": {**QUIET, "table_every": 0.008},
     },
-    # Held for 0.05 s of 0.1 s.
+    # Held for half of the time.
     "released body": {
         "domain": BOX,
         "fluid": OIL,
@@ -54,12 +54,12 @@ CASES = {
             {
                 **GLASS,
                 "centers": [[0.015, 0.014, 0.035]],
-                "motion": {"velocity": [0.01, 0.0, -0.05], "rotation": [0.0, 3.0, 0.0], "until": 0.05},
+                "motion": {"velocity": [0.01, 0.0, -0.05], "rotation": [0.0, 3.0, 0.0], "until": 0.025},
             }
         ],
         "contact": SOFT,
         "resolution": {"cells_per_diameter": 5},
-        "time": {"end": 0.1, "step": 0.002},
+        "time": {"end": 0.05, "step": 0.001},
         "output": {**QUIET, "table_every": 0.01},
     },
     # The lowest spheres leave through the floor: crossings, and images of markers.
@@ -71,7 +71,7 @@ CASES = {
         ],
         "contact": SOFT,
         "resolution": {"cells_per_diameter": 4},
-        "time": {"end": 0.15, "step": 0.003},
+        "time": {"end": 0.075, "step": 0.0015},
         "output": {**QUIET, "table_every": 0.02},
     },
     # A heap that comes to rest on the floor: contacts open at any time after the first.
