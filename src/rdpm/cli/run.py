@@ -8,6 +8,7 @@ import sys
 import threading
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -154,7 +155,7 @@ def _keep_streams() -> None:
 
 def _unheard(tell: Callable[..., None], *arguments: Any) -> None:
     """Tell it to a terminal that may be gone."""
-    with suppress(OSError):
+    with suppress(OSError, SystemExit):  # rich exits where a pipe is broken
         tell(*arguments)
 
 
@@ -165,7 +166,7 @@ def _say_how_to_resume(folder: Path, summary: dict[str, Any]) -> None:
 def _report(folder: Path, video: bool, quiet: bool) -> None:
     from rdpm.figures.report import make_report
 
-    make_report(folder, video=video, progress=None if quiet else say)
+    make_report(folder, video=video, progress=None if quiet else partial(_unheard, say))
 
 
 def _show(summary: dict[str, Any], folder: Path) -> None:

@@ -145,7 +145,7 @@ class _Teller:
 
     def tell(self, method: str, *arguments: Any) -> None:
         if self._reporter:
-            with suppress(OSError):
+            with suppress(OSError, SystemExit):  # rich exits where a pipe is broken
                 getattr(self._reporter, method)(*arguments)
 
     def update(self, step: int, time: float, end: float) -> None:
