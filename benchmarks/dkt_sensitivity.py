@@ -1,6 +1,6 @@
 """How the drafting, kissing and tumbling of the shipped pair depend on choices that physics does not know.
 
-Runs the case ``dkt`` with other time steps, ways of diffusion, marker orientations, places on the grid and contacts, and
+Runs the case ``dkt`` with other time steps, diffusion, marker orientations, places on the grid and contacts, and
 prints the times of kissing and tumbling. About a minute a row on two cores::
 
     python benchmarks/dkt_sensitivity.py            # all rows

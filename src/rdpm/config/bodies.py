@@ -236,8 +236,8 @@ class BodyGroup(Model):
         At the start; zero when left out.
     motion : "free", "fixed" or Motion
     orientation_seed : int, optional
-        Turns each body, and so its markers, at random; upright when left out. A sphere's motion should not depend on it:
-        this shows by how much it does.
+        Turns each body, and so its markers, at random; upright when left out. A sphere's motion should not depend on
+        it: this shows by how much it does.
     """
 
     diameter: Annotated[float | tuple[float, ...], _one_or_each("m")]
