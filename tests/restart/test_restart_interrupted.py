@@ -18,9 +18,10 @@ from rdpm.errors import OutputError
 from rdpm.io import checkpoint, files
 from rdpm.io.checkpoint import read_checkpoint
 from rdpm.io.tables import read_table
+from rdpm.io.vtkhdf import field_times
 from rdpm.studies.runner import run_case
 
-LONG = ("time.end=1.2", "output.checkpoint_every=0.02", "output.fields_every=0.2")
+LONG = ("time.end=0.6", "output.checkpoint_every=0.02", "output.fields_every=0.2")
 
 
 def command(folder, *words, **options):
@@ -228,6 +229,32 @@ def test_disk_full_while_a_table_is_written(name, room, tmp_path):
             run_case(case, folder, reporter=Fills())
     for path in folder.glob("*.csv"):
         assert path.read_bytes().endswith(b"\n")
+    run_case(case, folder, resume=True)
+    run_whole(case, tmp_path / "whole")
+    assert_equal_runs(tmp_path / "whole", folder)
+
+
+@pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="no room can be reserved here")
+@pytest.mark.parametrize("write", [3, 5, 6])
+def test_disk_full_while_fields_are_written(write, tmp_path, monkeypatch):
+    """Room is reserved for two new files, then for their first and second steps."""
+    case = case_of("periodic cloud", "output.checkpoint_every=0.009")
+    folder = new_folder(tmp_path / "run")
+    count = 0
+
+    def reserve_until_full(handle, end, size):
+        nonlocal count
+        count += 1
+        if count >= write:
+            os.ftruncate(handle, end + size // 2)
+            full()
+
+    with monkeypatch.context() as disk:
+        disk.setattr(os, "posix_fallocate", reserve_until_full)
+        with pytest.raises(OutputError, match=r"(fields|bodies).vtkhdf: cannot be written \(No space left on device\)"):
+            run_case(case, folder)
+    times = field_times(folder / "fields.vtkhdf")
+    assert len(times) == (write - 1) // 2 - 1 + (write % 2 == 0)
     run_case(case, folder, resume=True)
     run_whole(case, tmp_path / "whole")
     assert_equal_runs(tmp_path / "whole", folder)

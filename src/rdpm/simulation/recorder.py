@@ -82,14 +82,14 @@ class Recorder:
                 )
             if fields_every > 0.0 and len(bodies):
                 self._shapes = _continued(folder / "bodies.vtkhdf", until, note, BodyWriter)
+            self._particles, self._contacts, self._history, self._timing = writers.values()
+            self._writers = writers
+            if resumed:
+                self._take_over(arrays, facts)
+            else:
+                self._write()
             self._files = files.pop_all()
-        self._particles, self._contacts, self._history, self._timing = writers.values()
-        self._writers = writers
         simulation.on_step(self.step)
-        if resumed:
-            self._take_over(arrays, facts)
-        else:
-            self._write()
 
     def state(self) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
         """Sums and schedules, and where each table, now safe on the disk, stands: arrays, and plain values."""
