@@ -10,12 +10,15 @@ from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from rdpm.cli.progress import Reporter, say
 from rdpm.errors import CaseError, CheckpointError
+
+if TYPE_CHECKING:
+    from rdpm.config.case import Case
 
 __all__ = ["run"]
 
@@ -77,10 +80,9 @@ def run(
     start = _start(from_, at, resume)
     from rdpm.config.load import case_name, load_case
 
-    source, run_folder = _source(case, resume and out is None)
+    source, run_folder = _source(case, (resume and out is None) or from_ == Path(case))
     loaded = load_case(source, set_)
     from rdpm.setup import plan  # a case that is wrong is told before the solver is loaded
-    from rdpm.studies.runner import run_case
 
     plan(loaded)  # refuses what cannot run, before a folder is made
     _end_on_signals()
@@ -89,14 +91,11 @@ def run(
     else:
         folder = _folder(out, run_folder.name if run_folder else case_name(case))
     try:
-        with ExitStack() as stack:
-            reporter = Reporter(quiet)
-            stack.callback(_unheard, reporter.close)
-            summary = run_case(loaded, folder, threads=threads, reporter=reporter, resume=resume, start=start)
+        summary = _computed(loaded, folder, quiet, threads=threads, resume=resume, start=start)
         if summary["status"] == "interrupted":
             _unheard(_say_how_to_resume, folder, summary)
             return 130
-        if loaded.output.report and not (resume and (folder / "report.html").is_file()):
+        if loaded.output.report and not _is_reported(folder):
             _report(folder, loaded.output.video, quiet)
     except (CaseError, CheckpointError):
         with suppress(OSError):
@@ -108,6 +107,21 @@ def run(
     if not quiet:
         _show(summary, folder)
     return 0
+
+
+def _computed(case: Case, folder: Path, quiet: bool, **how: Any) -> dict[str, Any]:
+    from rdpm.studies.runner import run_case
+
+    with ExitStack() as stack:
+        reporter = Reporter(quiet)
+        stack.callback(_unheard, reporter.close)
+        return run_case(case, folder, reporter=reporter, **how)
+
+
+def _is_reported(folder: Path) -> bool:
+    """Whether the report is that of the results, as in a run that was done already."""
+    report, summary = folder / "report.html", folder / "summary.json"
+    return report.is_file() and summary.is_file() and report.stat().st_mtime_ns >= summary.stat().st_mtime_ns
 
 
 def _start(folder: Path | None, at: str | None, resume: bool) -> tuple[Path, float | None] | None:
@@ -133,7 +147,10 @@ def _start(folder: Path | None, at: str | None, resume: bool) -> tuple[Path, flo
 
 
 def _source(case: str, prefers_folder: bool) -> tuple[str, Path | None]:
-    """What to load as the case; and the folder, if it is that of a run."""
+    """What to load as the case; and the folder, if it is that of a run.
+
+    A shipped name goes before a folder of that name, unless the run in the folder is what is asked for.
+    """
     from rdpm.cases import shipped_names
 
     folder = Path(case)
