@@ -105,7 +105,9 @@ def test_poiseuille_is_the_discrete_parabola(normal: int, is_explicit: bool) -> 
 
 
 @pytest.mark.parametrize(
-    "drive", [{"body_force": [0.0, 0.02, 0.0]}, {"pressure_gradient": [0.0, "-20 Pa/m", 0.0]}], ids=["force", "gradient"]
+    "drive",
+    [{"body_force": [0.0, 0.02, 0.0]}, {"pressure_gradient": [0.0, "-20 Pa/m", 0.0]}],
+    ids=["force", "gradient"],
 )
 def test_body_force_and_pressure_gradient_drive_the_same_flow(drive) -> None:
     """A gradient G in a fluid of density rho is a force -G / rho a unit mass."""

@@ -86,7 +86,8 @@ def check_plan(case, where):
             warnings.simplefilter("error")
             made = plan(case)
     except CaseError as error:
-        assert "\n" not in str(error), where
+        message = str(error)
+        assert "\n" not in message, where
     except Exception as error:
         raise AssertionError(f"{where}: {type(error).__name__}: {error}") from error
     else:
