@@ -66,8 +66,8 @@ class RigidMotion:
     def __init__(self, bodies: Bodies, fluid: Fluid, markers: MarkerSet, gravity: Floats, passes: int) -> None:
         self.bodies, self.fluid, self.markers, self.passes = bodies, fluid, markers, passes
         n = len(bodies)
-        volume = np.pi / 6.0 * bodies.diameter**3
-        self.fluid_mass = fluid.density * volume
+        # In the order of the bodies' mass, so that a neutrally buoyant body has no weight at all.
+        self.fluid_mass = fluid.density * np.pi / 6.0 * bodies.diameter**3
         self.fluid_moment = 0.1 * self.fluid_mass * bodies.diameter**2
         self.weight = (bodies.mass - self.fluid_mass)[:, None] * gravity
         self.radius = 0.5 * bodies.diameter

@@ -70,7 +70,7 @@ inline void stabilised_diffusion(const Grid& g, double* velocity, const double* 
             return mine + (3 * (j - 1) + ((k % 3) + 3) % 3) * plane;
         };
         const auto rate_plane = [&](int k) {
-            return rate + (wraps ? ((k - 1 + 2 * nz) % nz) + 1 : k) * plane;
+            return rate + (wraps ? (((k - 1) % nz + nz) % nz) + 1 : k) * plane;
         };
         for (int tick = first - (stages - 1); tick < last + stages - 1; ++tick) {
             for (int j = 1; j <= stages; ++j) {

@@ -277,8 +277,9 @@ class Projection {
         }
         fill_plane_halo(g_, u, face_x);
         fill_plane_halo(g_, v, face_y);
-        if (face >= 0) correct_faces(face, face + 1);
-        measure(k, face >= 0 ? face : k);
+        if (face < 0) return;  // a middle plane: the face between the halves is still to come
+        correct_faces(face, face + 1);
+        measure(k, face, face);
     }
 
     // w between the planes `below` and `above`.
@@ -294,17 +295,19 @@ class Projection {
         fill_plane_halo(g_, w, face_z);
     }
 
-    void measure(int k, int face) {
+    // Plane k with the plane `face` of w beside it; `counted`: the plane of w whose squares are added here.
+    void measure(int k, int face, int counted) {
         const std::size_t row = g_.row();
-        const double *u = q_.u + k * g_.plane(), *v = q_.v + k * g_.plane(), *w = q_.w + face * g_.plane();
+        const double *u = q_.u + k * g_.plane(), *v = q_.v + k * g_.plane();
+        const double *w = q_.w + face * g_.plane(), *w_counted = q_.w + counted * g_.plane();
         const double ix = 1.0 / g_.spacing[0], iy = 1.0 / g_.spacing[1], iz = 1.0 / g_.spacing[2];
         double most = 0.0, sum = 0.0;
         for (int j = 1; j <= g_.ny(); ++j) {
             const std::size_t o = j * row;
 #pragma omp simd reduction(max : most) reduction(+ : sum)
             for (int i = 1; i <= g_.nx(); ++i) {
-                const double a = u[o + i], b = v[o + i], c = w[o + i];
-                most = std::max(most, std::abs(a) * ix + std::abs(b) * iy + std::abs(c) * iz);
+                const double a = u[o + i], b = v[o + i], c = w_counted[o + i];
+                most = std::max(most, std::abs(a) * ix + std::abs(b) * iy + std::abs(w[o + i]) * iz);
                 sum += a * a + b * b + c * c;
             }
         }
@@ -325,6 +328,10 @@ class Projection {
             fill_plane_halo(g_, q_.w + nz * g_.plane(), face_z);
         }
         correct_faces(middle, middle + 1);
+        // Planes below the middle count the face above them, those beyond it the face below: the last one is
+        // left.
+        measure(middle, middle, middle);
+        measure(middle + 1, middle, nz);
         for (int c = 0; c < 3; ++c) fill_end_planes(g_, c == 0 ? q_.u : c == 1 ? q_.v : q_.w, c);
         fill_end_planes(g_, p_, centre);
         FlowMeasures all;

@@ -1,0 +1,208 @@
+"""Markers and grid: adjoint, partition of unity, linear fields, and marker sets without a preferred direction."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rdpm import _core
+from rdpm.grid import BOUNDARIES, Grid
+from rdpm.particles.markers import RETRACTION, MarkerSet
+from rdpm.particles.seeding import marker_count, sphere_points
+from rdpm.particles.state import Bodies
+
+CELLS, SIZE = (7, 8, 9), (0.7, 0.96, 0.99)
+COMBINATIONS = list(itertools.product(BOUNDARIES, repeat=3))
+kinds = st.tuples(*[st.sampled_from(BOUNDARIES)] * 3)
+seeds = st.integers(0, 2**32 - 1)
+
+
+def points_in(grid: Grid, rng: np.random.Generator, count: int) -> np.ndarray:
+    """Anywhere in the box, and as many at its very sides and corners."""
+    x = rng.uniform(size=(count, 3))
+    x[::2] = np.where(rng.uniform(size=x[::2].shape) < 0.5, np.round(x[::2]), x[::2])
+    return np.ascontiguousarray(x * grid.size)
+
+
+def markers_at(grid: Grid, position: np.ndarray) -> _core.Markers:
+    markers = _core.Markers()
+    markers.place(grid.core, position)
+    return markers
+
+
+def interpolate(grid: Grid, markers: _core.Markers, field: list[np.ndarray]) -> np.ndarray:
+    out = np.empty((markers.count, 3))
+    markers.interpolate(grid.core, *field, out)
+    return out
+
+
+def current(grid: Grid, field: list[np.ndarray]) -> list[np.ndarray]:
+    for component, q in enumerate(field):
+        _core.fill_halo(grid.core, q, component)
+    return field
+
+
+@settings(max_examples=150, deadline=None)
+@given(kinds, seeds, st.integers(1, 3))
+def test_spread_is_the_adjoint_of_interpolate(boundary, seed: int, threads: int) -> None:
+    """<J u, f> dV_m = <u, S f> dV_cell for any velocity that meets the boundaries, markers at walls included."""
+    rng = np.random.default_rng(seed)
+    grid = Grid(SIZE, CELLS, boundary, threads=threads)
+    position = points_in(grid, rng, 40)
+    markers = markers_at(grid, position)
+    u = current(grid, [rng.normal(size=grid.shape) for _ in range(3)])
+    f, volume = rng.normal(size=(40, 3)), rng.uniform(0.1, 1.0, 40)
+    spread = [grid.zeros() for _ in range(3)]
+    markers.spread(grid.core, *spread, f, volume, 1.0)
+    at_markers = float((volume[:, None] * interpolate(grid, markers, u) * f).sum())
+    inner = (slice(1, -1),) * 3
+    on_grid = sum(float((q[inner] * s[inner]).sum()) for q, s in zip(u, spread, strict=True)) * np.prod(grid.spacing)
+    # Sums of some 1e3 products of order one.
+    assert at_markers == pytest.approx(on_grid, abs=1e-12)
+
+
+@settings(max_examples=30, deadline=None)
+@given(kinds, seeds)
+def test_spreading_does_not_depend_on_threads(boundary, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    position = points_in(Grid(SIZE, CELLS), rng, 600)  # enough for several threads to take part
+    f, volume = rng.normal(size=(600, 3)), rng.uniform(0.1, 1.0, 600)
+    found = []
+    for threads in (1, 2, 3):
+        grid = Grid(SIZE, CELLS, boundary, threads=threads)
+        spread = [grid.zeros() for _ in range(3)]
+        markers_at(grid, position).spread(grid.core, *spread, f, volume, 1.0)
+        found.append(np.stack(spread))
+    np.testing.assert_array_equal(found[1], found[0])
+    np.testing.assert_array_equal(found[2], found[0])
+
+
+@settings(max_examples=40, deadline=None)
+@given(seeds, st.tuples(*[st.floats(-1.0, 1.0)] * 3), st.tuples(*[st.floats(-3.0, 3.0)] * 9))
+def test_linear_fields_are_interpolated_exactly_in_the_bulk(seed: int, constant, slopes) -> None:
+    """Partition of unity and zero first moment of the delta."""
+    rng = np.random.default_rng(seed)
+    grid = Grid(SIZE, CELLS)
+    # Away from sides by the reach of the delta, whose halos a linear field does not meet.
+    margin = 2.0 * np.array(grid.spacing)
+    position = margin + rng.uniform(size=(20, 3)) * (np.array(SIZE) - 2.0 * margin)
+    gradient = np.array(slopes).reshape(3, 3)
+    field = []
+    for component, name in enumerate("uvw"):
+        x, y, z = grid.points(name)
+        value = constant[component] + gradient[component, 0] * x + gradient[component, 1] * y[:, None]
+        field.append(np.ascontiguousarray(value + gradient[component, 2] * z[:, None, None]))
+    found = interpolate(grid, markers_at(grid, position), field)
+    np.testing.assert_allclose(found, constant + position @ gradient.T, rtol=0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize("direction", [0, 1, 2])
+@pytest.mark.parametrize("side", [0, 1])
+def test_shear_beside_a_moving_wall_is_interpolated_exactly(direction: int, side: int) -> None:
+    """The halo continues a linear profile through the wall's speed, so the fold does."""
+    speed, rate = np.zeros((6, 3)), 2.5
+    along = (direction + 1) % 3
+    speed[2 * direction + side, along] = 0.6
+    boundary = ["periodic"] * 3
+    boundary[direction] = "wall"
+    grid = Grid(SIZE, CELLS, tuple(boundary), speed)
+    wall = side * SIZE[direction]
+    coordinate = grid.points("uvw"[along])[direction]
+    shape = [1, 1, 1]
+    shape[2 - direction] = -1
+    field = [grid.zeros() for _ in range(3)]
+    field[along] += (0.6 + rate * (coordinate - wall)).reshape(shape)
+    field = current(grid, field)
+    distance = np.linspace(0.0, 1.5, 16) * grid.spacing[direction]
+    position = np.tile(0.5 * np.array(SIZE), (16, 1))
+    position[:, direction] = wall + (distance if side == 0 else -distance)
+    found = interpolate(grid, markers_at(grid, position), field)
+    np.testing.assert_allclose(found[:, along], 0.6 + rate * (position[:, direction] - wall), atol=1e-13)
+
+
+@pytest.mark.parametrize("boundary", COMBINATIONS)
+def test_uniform_flow_that_the_sides_allow_is_interpolated_exactly_up_to_them(boundary) -> None:
+    speed = np.array([0.3, -0.2, 0.5])
+    allowed = [  # a wall stops all, free slip its normal component only
+        all(kind == "periodic" or (kind == "free-slip" and d != c) for d, kind in enumerate(boundary)) for c in range(3)
+    ]
+    grid = Grid(SIZE, CELLS, boundary)
+    field = current(grid, [np.full(grid.shape, s if ok else 0.0) for s, ok in zip(speed, allowed, strict=True)])
+    position = points_in(grid, np.random.default_rng(2), 50)
+    found = interpolate(grid, markers_at(grid, position), field)
+    np.testing.assert_allclose(found, np.broadcast_to(np.where(allowed, speed, 0.0), found.shape), atol=1e-14)
+
+
+@settings(max_examples=30, deadline=None)
+@given(seeds, st.tuples(*[st.floats(-2.0, 2.0)] * 3))
+def test_a_shift_over_a_periodic_side_changes_nothing(seed: int, shift) -> None:
+    rng = np.random.default_rng(seed)
+    grid = Grid(SIZE, CELLS, ("periodic",) * 3)
+    u = current(grid, [rng.normal(size=grid.shape) for _ in range(3)])
+    position = points_in(grid, rng, 20)
+    there = position + np.round(shift) * np.array(SIZE)
+    found = interpolate(grid, markers_at(grid, np.ascontiguousarray(there)), u)
+    # The delta's square root turns a rounding of the position, 1e-16, into its root at the edge of the support.
+    np.testing.assert_allclose(found, interpolate(grid, markers_at(grid, position), u), atol=1e-6)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(1, 60))
+def test_marker_sets_have_no_preferred_direction(patches: int) -> None:
+    count = 24 * patches
+    points = sphere_points(count)
+    np.testing.assert_allclose(np.linalg.norm(points, axis=1), 1.0, atol=1e-14)
+    np.testing.assert_allclose(points.sum(axis=0), 0.0, atol=1e-12)
+    np.testing.assert_allclose(points.T @ points / count, np.eye(3) / 3.0, atol=1e-12)
+    order = np.lexsort(points.round(9).T)
+    for image in (points * [-1, 1, 1], points * [1, 1, -1], np.roll(points, 1, axis=1)):
+        np.testing.assert_allclose(image[np.lexsort(image.round(9).T)], points[order], atol=1e-8)
+
+
+@pytest.mark.parametrize("cells_per_diameter", [4, 6, 8, 12, 16, 20])
+def test_markers_are_even(cells_per_diameter: int) -> None:
+    count = marker_count(0.5 * cells_per_diameter, 1.0)
+    points = sphere_points(count)
+    square = 2.0 - 2.0 * points @ points.T
+    np.fill_diagonal(square, np.inf)
+    nearest = np.sqrt(square.min(axis=1))
+    # A triangular lattice has sqrt(2 / sqrt(3)) = 1.07 of the square root of the area a marker; 0.7 leaves no clusters.
+    assert nearest.min() > 0.7 * np.sqrt(4.0 * np.pi / count)
+
+
+@pytest.mark.parametrize("count", [0, 12, 25])
+def test_a_count_without_symmetry_is_refused(count: int) -> None:
+    with pytest.raises(ValueError, match=f"count = {count}: must be a positive multiple of 24"):
+        sphere_points(count)
+
+
+def test_marker_layer_is_one_cell_thick_and_turns_with_the_body() -> None:
+    grid = Grid((1.0, 1.0, 1.0), (20, 20, 20))
+    bodies = Bodies([0.4], [1000.0], [[0.5, 0.5, 0.5]])
+    markers = MarkerSet(bodies, grid)
+    bodies.orientation[0] = np.array([1.0, 0.0, 0.0, 1.0]) / np.sqrt(2.0)  # a quarter turn about z
+    markers.force[:] = [1.0, 0.0, 0.0]
+    markers.keep_force(bodies)
+    bodies.orientation[0] = [1.0, 0.0, 0.0, 0.0]
+    markers.place(bodies)
+    np.testing.assert_allclose(markers.force, np.tile([0.0, -1.0, 0.0], (len(markers), 1)), atol=1e-15)
+    depth = 0.2 - RETRACTION * 0.05
+    np.testing.assert_allclose(np.linalg.norm(markers.position - 0.5, axis=1), depth, atol=1e-15)
+    shell = 4.0 / 3.0 * np.pi * ((depth + 0.025) ** 3 - (depth - 0.025) ** 3)
+    assert markers.volume.sum() == pytest.approx(shell, rel=1e-13)
+
+
+def test_markers_inside_another_body_or_a_wall_force_less() -> None:
+    grid = Grid((1.0, 1.0, 1.0), (20, 20, 20), ("wall", "periodic", "wall"))
+    bodies = Bodies([0.3, 0.3], [1000.0] * 2, [[0.12, 0.5, 0.5], [0.36, 0.5, 0.5]])
+    markers = MarkerSet(bodies, grid)
+    markers.place(bodies)
+    markers.cover(bodies, np.array([[0, 1], [0, -1]]), (True, False, True))
+    away = np.linalg.norm(markers.position - bodies.position[[1, 0]][markers.body], axis=1)
+    depth = np.maximum(0.15 - away, -markers.position[:, 0])
+    np.testing.assert_allclose(markers.volume, markers.full_volume * np.clip(1.0 - depth / 0.05, 0.0, 1.0), rtol=1e-12)
+    assert (markers.volume < markers.full_volume).any()
+    markers.cover(bodies, np.zeros((0, 2), int), (True, False, True))
+    np.testing.assert_array_equal(markers.volume, markers.full_volume)
