@@ -33,6 +33,13 @@ def full(session: nox.Session) -> None:
 
 
 @nox.session
+def mutations(session: nox.Session) -> None:
+    """A hundred thousand spoiled case files, each accepted or refused with one message."""
+    session.install(".[test]")
+    session.run("python", "-m", "pytest", "tests/user_error/test_mutated_cases.py", env={"RDPM_MUTATIONS": "100000"})
+
+
+@nox.session
 def docs(session: nox.Session) -> None:
     """Build the documentation; a warning is an error."""
     session.install(".[docs]")

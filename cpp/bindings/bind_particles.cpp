@@ -22,37 +22,38 @@ double* field(const Grid& g, const Values& array, const char* name) {
     return checked(array, name, {g.nz() + 2, g.ny() + 2, g.nx() + 2});
 }
 
-// The stencils of all markers and their order, kept between calls.
+// The stencils of all markers, kept between calls.
 struct Markers {
-    std::vector<MarkerStencils> stencils;
-    std::vector<std::int32_t> order, start;
+    StencilSet set;
 
-    int count() const { return static_cast<int>(stencils.size()); }
-
-    void place(const Grid& g, const Values& position) {
-        const double* x = checked(position, "marker position", {-1, 3});
-        const int n = static_cast<int>(position.shape(0));
-        stencils.resize(n);
-        order.resize(n);
-        start.resize(g.nz() + 4);
+    Markers(const Grid& g, const Indices& first) {
+        const int bodies = static_cast<int>(first.shape(0)) - 1;
+        const std::int32_t* f = checked(first, "first", {bodies + 1});
+        set.first.assign(f, f + bodies + 1);
+        set.marker.resize(f[bodies]);
+        set.lowest.resize(bodies);
+        set.highest.resize(bodies);
+        set.below.resize(g.nz() + 3);
+    }
+    void place_at(const Grid& g, const Values& position) {
+        const double* x = checked(position, "marker position", {set.count(), 3});
         nb::gil_scoped_release released;
-        make_stencils(g, x, 0, n, stencils.data());
-        order_by_plane(g, stencils.data(), n, order.data(), start.data());
+        place(g, x, set);
     }
     void interpolate_to(const Grid& g, const Values& u, const Values& v, const Values& w,
                         const Values& out) const {
         const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
-        double* target = checked(out, "marker velocity", {count(), 3});
+        double* target = checked(out, "marker velocity", {set.count(), 3});
         nb::gil_scoped_release released;
-        interpolate(g, q, stencils.data(), count(), target);
+        interpolate(g, q, set, target);
     }
     void spread_from(const Grid& g, const Values& u, const Values& v, const Values& w, const Values& value,
                      const Values& volume, double factor) const {
         const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
-        const double *values = checked(value, "marker value", {count(), 3}),
-                     *volumes = checked(volume, "volume", {count()});
+        const double *values = checked(value, "marker value", {set.count(), 3}),
+                     *volumes = checked(volume, "volume", {set.count()});
         nb::gil_scoped_release released;
-        spread(g, q, stencils.data(), count(), order.data(), values, volumes, factor);
+        spread(g, q, set, values, volumes, factor);
     }
 };
 
@@ -60,11 +61,11 @@ struct Markers {
 
 void bind_particles(nb::module_& module) {
     nb::class_<Markers>(module, "Markers", "Stencils of the markers at their present places.")
-        .def(nb::init<>())
-        .def("place", &Markers::place)
+        .def(nb::init<const Grid&, const Indices&>())
+        .def("place", &Markers::place_at)
         .def("interpolate", &Markers::interpolate_to)
         .def("spread", &Markers::spread_from)
-        .def_prop_ro("count", &Markers::count);
+        .def_prop_ro("count", [](const Markers& self) { return self.set.count(); });
     module.def("sum_over_markers", [](const Indices& first, const Values& arm, const Values& volume,
                                       const Values& value, int threads, const Values& out) {
         const int bodies = static_cast<int>(first.shape(0)) - 1;

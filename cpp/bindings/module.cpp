@@ -6,10 +6,12 @@ namespace nb = nanobind;
 void bind_fluid(nb::module_& module);
 void bind_particles(nb::module_& module);
 void bind_contacts(nb::module_& module);
+void bind_parallel(nb::module_& module);
 
 NB_MODULE(_core, module) {
     module.doc() = "Loops over arrays: the numerical kernels of rdpm.";
     bind_fluid(module);
     bind_particles(module);
     bind_contacts(module);
+    bind_parallel(module);
 }

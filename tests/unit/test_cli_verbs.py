@@ -157,7 +157,7 @@ def test_check(solver, capsys):
         (["run", "dkt", "--out", "file"], "--out file: must be a folder"),
         (["run", "dkt", "--out", "no/where"], "--out no/where: must lie in a folder that is there"),
         (["run", "dkt", "--out", "/proc/rdpm"], "--out /proc/rdpm: must be a place to write to"),
-        (["run", "dkt", "--resume"], "--resume"),
+        (["run", "dkt", "--at", "1"], "--at = 1: needs --from"),
         (["run"], "CASE"),
         (["rnu"], "rnu"),
         (["check", "full"], "full: must be a file (it is a folder)."),
@@ -260,7 +260,7 @@ def test_help_lists_only_what_is_there(solver, capsys):
     assert cli.main(["run", "--help"]) == 0
     shown = capsys.readouterr().out
     assert "--set" in shown
-    assert "--resume" not in shown
+    assert "--workers" not in shown
     assert "Raises" not in shown
 
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from rdpm import _core
 from rdpm.grid import Grid, choose_cells
-from rdpm.grid.grid import SPACING_TOLERANCE, is_smooth
+from rdpm.grid.grid import SPACING_TOLERANCE, smooth_counts
 
 CELLS = (5, 6, 7)
 
@@ -79,7 +79,7 @@ def test_counts_suit_the_transforms_within_the_tolerance(length: float, ideal: f
     assert n >= 4
     if ideal >= 4:
         # Below some twenty cells no product of 2, 3, 5 may be near: then the nearest whole number is taken.
-        assert is_smooth(n) or abs(n - ideal) <= 0.5 + 1e-9 * ideal
+        assert n in smooth_counts(n, n) or abs(n - ideal) <= 0.5 + 1e-9 * ideal
     if ideal >= 30:
         assert abs(ideal / n - 1.0) <= SPACING_TOLERANCE + 1e-12
 

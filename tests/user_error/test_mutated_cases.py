@@ -1,16 +1,20 @@
 """Whatever is done to a case file, it is accepted or refused with one message."""
 
+import os
 import random
 import re
 import time
+import warnings
 
 import pytest
 
 from rdpm.cases import shipped_names, shipped_text
 from rdpm.config.load import case_to_toml, load_case
 from rdpm.errors import CaseError
+from rdpm.setup import plan
 
-COUNT = 100  # a case file and way of mutation
+# a case file and way of mutation: 20 of these make the 2,000 of the quick tier; `nox -s mutations` asks for 1e5
+COUNT = int(os.environ.get("RDPM_MUTATIONS", "2000")) // 20
 SLOWEST = 20.0  # s; no mutation may hang, whatever the machine does beside
 
 VALUES = [
@@ -75,6 +79,22 @@ def mutated(text, rng, way):
     return text
 
 
+def check_plan(case, where):
+    """What the case implies is worked out, or refused with one message."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            made = plan(case)
+    except CaseError as error:
+        message = str(error)
+        assert "\n" not in message, where
+    except Exception as error:
+        raise AssertionError(f"{where}: {type(error).__name__}: {error}") from error
+    else:
+        assert made.step.dt > 0.0, where
+        assert made.sections, where
+
+
 @pytest.mark.parametrize("way", ["value", "token", "lines", "bytes"])
 @pytest.mark.parametrize("name", shipped_names())
 def test_valid_or_one_message(name, way, tmp_path):
@@ -101,6 +121,7 @@ def test_valid_or_one_message(name, way, tmp_path):
             accepted += 1
             assert load_case(path) == case
             case_to_toml(case)
+            check_plan(case, (seed, number, text))
         assert time.monotonic() - began < SLOWEST, (seed, number)
     assert accepted < COUNT  # the wounds hurt
 

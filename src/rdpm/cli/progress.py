@@ -139,7 +139,7 @@ class Reporter:
         elapsed, steps, gained = now - began, step - first_step, time - first_time
         said = f"t = {time:.4g} of {end:.4g} s, step {step}"
         if elapsed > 0.0 and steps > 0 and gained > 0.0:
-            said += f", {steps / elapsed:.3g} steps/s, {_span(elapsed * (end - time) / gained)} left"
+            said += f", {steps / elapsed:.3g} steps/s, {_span(elapsed * max(0.0, end - time) / gained)} left"
         return said
 
 

@@ -109,5 +109,6 @@ def _contacts(summary: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def _cost(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    cost = _number(summary.get("ns_per_cell_step"), "ns a cell and step", 3)
-    return [("wall time", f"{_number(summary.get('wall_s'), 's', 3)}, {cost}")]
+    each = summary.get("ns_per_cell_step")
+    cost = f", {_number(each, 'ns a cell and step', 3)}" if each else ""
+    return [("wall time", f"{_number(summary.get('wall_s'), 's', 3)}{cost}")]

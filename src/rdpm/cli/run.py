@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
-from contextlib import suppress
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rdpm.cli.progress import Reporter
-from rdpm.errors import CaseError
+from rdpm.cli.progress import Reporter, say
+from rdpm.errors import CaseError, CheckpointError
+
+if TYPE_CHECKING:
+    from rdpm.config.case import Case
 
 __all__ = ["run"]
 
@@ -33,14 +39,17 @@ def run(
     out: Path | None = None,
     set_: Annotated[tuple[str, ...], Parameter(name="--set", negative="", show_default=False)] = (),
     threads: int | None = None,
+    resume: Annotated[bool, Parameter(negative="", show_default=False)] = False,
+    from_: Annotated[Path | None, Parameter(name="--from")] = None,
+    at: str | None = None,
     quiet: Annotated[bool, Parameter(negative="", show_default=False)] = False,
-) -> None:
+) -> int:
     """Run a case, and make its tables, fields, figures, video and report.
 
     Parameters
     ----------
     case : str
-        A case file, or the name of a shipped case.
+        A case file, the name of a shipped case, or the folder of a run, whose case is then taken.
     out : Path, optional
         The folder for the results, new or empty; ./NAME, ./NAME-2, ... when left out.
     set_ : tuple of str
@@ -48,34 +57,47 @@ def run(
         'contact={stiffness=50, damping=0.1}'.
     threads : int, optional
         OpenMP threads; all cores, or OMP_NUM_THREADS, when left out.
+    resume : bool
+        Continue the run in ./NAME, or in --out, from its newest checkpoint, to the same bits as if it had not stopped.
+    from_ : Path, optional
+        Start a new run from a checkpoint of the run in this folder; time, contact and output may be changed.
+    at : str, optional
+        With --from: the newest checkpoint not after this time, such as 1.5 or "1500 ms".
     quiet : bool
         Say nothing but errors.
 
     Raises
     ------
-    CaseError
-        The case or the folder is wrong; nothing was written.
+    CaseError, CheckpointError
+        The case, the folder or the checkpoint is wrong; nothing was written.
     GuardError
         The numbers could no longer be trusted.
     """
     _refuse_ranks()
+    _keep_streams()
     if threads is not None and not 1 <= threads <= 1024:
         raise CaseError("--threads", threads, "must lie between 1 and 1024")
+    start = _start(from_, at, resume)
     from rdpm.config.load import case_name, load_case
 
-    loaded = load_case(case, set_)
+    source, run_folder = _source(case, (resume and out is None) or from_ == Path(case))
+    loaded = load_case(source, set_)
     from rdpm.setup import plan  # a case that is wrong is told before the solver is loaded
-    from rdpm.studies.runner import run_case
 
     plan(loaded)  # refuses what cannot run, before a folder is made
-    _end_on_sigterm()
-    folder = _folder(out, case_name(case))
+    _end_on_signals()
+    if resume:
+        folder = _made(out or run_folder or Path(case_name(case)), holds_run=True)
+    else:
+        folder = _folder(out, run_folder.name if run_folder else case_name(case))
     try:
-        with Reporter(quiet) as reporter:
-            summary = run_case(loaded, folder, threads=threads, reporter=reporter)
-        if loaded.output.report:
+        summary = _computed(loaded, folder, quiet, threads=threads, resume=resume, start=start)
+        if summary["status"] == "interrupted":
+            _unheard(_say_how_to_resume, folder, summary)
+            return 130
+        if loaded.output.report and not _is_reported(folder):
             _report(folder, loaded.output.video, quiet)
-    except CaseError:
+    except (CaseError, CheckpointError):
         with suppress(OSError):
             folder.rmdir()  # only if nothing is in it
         raise
@@ -84,13 +106,84 @@ def run(
         raise
     if not quiet:
         _show(summary, folder)
+    return 0
+
+
+def _computed(case: Case, folder: Path, quiet: bool, **how: Any) -> dict[str, Any]:
+    from rdpm.studies.runner import run_case
+
+    with ExitStack() as stack:
+        reporter = Reporter(quiet)
+        stack.callback(_unheard, reporter.close)
+        return run_case(case, folder, reporter=reporter, **how)
+
+
+def _is_reported(folder: Path) -> bool:
+    """Whether the report is that of the results, as in a run that was done already."""
+    report, summary = folder / "report.html", folder / "summary.json"
+    return report.is_file() and summary.is_file() and report.stat().st_mtime_ns >= summary.stat().st_mtime_ns
+
+
+def _start(folder: Path | None, at: str | None, resume: bool) -> tuple[Path, float | None] | None:
+    """Where a run starts that does not start at rest."""
+    if folder is None:
+        if at is not None:
+            raise CaseError("--at", at, "needs --from", "it names a checkpoint of another run")
+        return None
+    if resume:
+        raise CaseError(
+            "--from", folder, "must not stand beside --resume", "one starts a new run, the other continues one",
+            "Leave one of them out.",
+        )
+    if at is None:
+        return folder, None
+    from rdpm.config.rule import RuleError
+    from rdpm.config.units import parse_quantity
+
+    try:
+        return folder, parse_quantity(at, "s")
+    except RuleError as error:
+        raise CaseError("--at", at, error.rule, error.reason, error.cure) from None
+
+
+def _source(case: str, prefers_folder: bool) -> tuple[str, Path | None]:
+    """What to load as the case; and the folder, if it is that of a run.
+
+    A shipped name goes before a folder of that name, unless the run in the folder is what is asked for.
+    """
+    from rdpm.cases import shipped_names
+
+    folder = Path(case)
+    if (prefers_folder or case not in shipped_names()) and (folder / "case.toml").is_file():
+        return str(folder / "case.toml"), folder
+    return case, None
+
+
+def _keep_streams() -> None:
+    """Open what of the standard streams is closed: else the first result file would take its place."""
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(number, "r" if number == 0 else "w", encoding="utf-8", closefd=False))  # noqa: SIM115
+
+
+def _unheard(tell: Callable[..., None], *arguments: Any) -> None:
+    """Tell it to a terminal that may be gone."""
+    with suppress(OSError, SystemExit):  # rich exits where a pipe is broken
+        tell(*arguments)
+
+
+def _say_how_to_resume(folder: Path, summary: dict[str, Any]) -> None:
+    say(f"rdpm: interrupted at t = {summary['time_s']:.6g} s. To continue: rdpm run {folder} --resume")
 
 
 def _report(folder: Path, video: bool, quiet: bool) -> None:
-    from rdpm.cli.progress import say
     from rdpm.figures.report import make_report
 
-    make_report(folder, video=video, progress=None if quiet else say)
+    make_report(folder, video=video, progress=None if quiet else partial(_unheard, say))
 
 
 def _show(summary: dict[str, Any], folder: Path) -> None:
@@ -114,14 +207,17 @@ def _refuse_ranks() -> None:
             )
 
 
-def _end_on_sigterm() -> None:
-    """Treat SIGTERM as Ctrl-C, so that a queue's end of time leaves whole files."""
+def _end_on_signals() -> None:
+    """Treat SIGTERM and a lost terminal as Ctrl-C, so that whole files are left."""
 
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, stop)
+        hangup = getattr(signal, "SIGHUP", None)
+        if hangup is not None and signal.getsignal(hangup) != signal.SIG_IGN:  # nohup
+            signal.signal(hangup, stop)
 
 
 def _folder(out: Path | None, name: str) -> Path:
@@ -140,19 +236,19 @@ def _folder(out: Path | None, name: str) -> Path:
             raise _unwritable(folder, error) from None
 
 
-def _made(folder: Path) -> Path:
+def _made(folder: Path, holds_run: bool = False) -> Path:
     try:
         if folder.exists() and not folder.is_dir():
             raise CaseError(
                 f"--out {folder}", None, "must be a folder", "a file of that name is there", "Name another."
             )
-        if folder.is_dir() and any(folder.iterdir()):
+        if not holds_run and folder.is_dir() and any(folder.iterdir()):
             raise CaseError(
                 f"--out {folder}",
                 None,
                 "must be new or empty",
                 "it holds files, perhaps results",
-                "Name another folder, or leave --out away.",
+                "Name another folder, leave --out away, or continue the run in it with --resume.",
             )
         if not folder.parent.is_dir():
             raise CaseError(

@@ -235,6 +235,9 @@ class BodyGroup(Model):
     velocity, angular_velocity : tuple of 3 floats, or one such each, [m/s], [rad/s]
         At the start; zero when left out.
     motion : "free", "fixed" or Motion
+    orientation_seed : int, optional
+        Turns each body, and so its markers, at random; upright when left out. A sphere's motion should not depend on
+        it: this shows by how much it does.
     """
 
     diameter: Annotated[float | tuple[float, ...], _one_or_each("m")]
@@ -245,6 +248,7 @@ class BodyGroup(Model):
     velocity: Annotated[Vector | Vectors, _vector_or_each("m/s")] = (0.0, 0.0, 0.0)
     angular_velocity: Annotated[Vector | Vectors, _vector_or_each("rad/s")] = (0.0, 0.0, 0.0)
     motion: Annotated[Literal["free", "fixed"] | Motion, BeforeValidator(_motion)] = "free"
+    orientation_seed: Annotated[int | None, whole(0, 2**63 - 1)] = None
 
     @model_validator(mode="after")
     def _is_one_arrangement(self) -> BodyGroup:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import StrictBool
 
-from rdpm.config.fields import Model, number
+from rdpm.config.fields import Model, number, whole
 
 __all__ = ["Output"]
 
@@ -22,6 +22,10 @@ class Output(Model):
         Time between rows of the tables, > 0; ``time.end / 500`` when left out.
     fields_every : float, [s]
         Time between pictures of the flow and the bodies; 0 writes none; ``time.end / 50`` when left out.
+    checkpoint_every : float, optional, [s]
+        Time between checkpoints, > 0, beside those every five minutes of wall time and at the end.
+    checkpoints_kept : int
+        The newest so many are kept, 2 to 10000.
     report : bool
         Whether a run makes its figures and ``report.html``.
     video : bool
@@ -30,6 +34,8 @@ class Output(Model):
 
     table_every: Annotated[float | None, number("s", above=0.0)] = None
     fields_every: Annotated[float | None, number("s", least=0.0)] = None
+    checkpoint_every: Annotated[float | None, number("s", above=0.0)] = None
+    checkpoints_kept: Annotated[int, whole(2, 10_000)] = 2
     report: StrictBool = True
     video: StrictBool = True
 

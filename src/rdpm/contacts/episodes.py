@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from rdpm import design
 from rdpm.particles.state import Bodies
 
 __all__ = ["EPISODE", "FINISHED_COLUMNS", "Episodes"]
@@ -86,8 +87,7 @@ class Episodes:
         curvature = 2.0 / b.diameter
         m = 1.0 / (inverse_mass[i] + np.where(wall, 0.0, inverse_mass[other]))
         a_r = 1.0 / (curvature[i] + np.where(wall, 0.0, curvature[other]))
-        result: Floats = m / (6.0 * np.pi * self._viscosity * a_r**2)
-        return result
+        return np.asarray(design.stokes_number(m, a_r, 1.0, self._viscosity))
 
     def take(self) -> NDArray[np.void]:
         """Give the finished contacts, dtype :data:`EPISODE`, and forget them."""

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,6 +34,14 @@ class MeanFlow:
     ) -> None:
         self.given, self.is_zero_mean, self.fluid_mass = given, is_zero_mean, fluid_mass
         self.mean_velocity = np.array(mean_velocity, float)
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """The mean velocity."""
+        return {"mean_velocity": self.mean_velocity}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Take over what `state` gave."""
+        np.copyto(self.mean_velocity, state["mean_velocity"])
 
     def force(self, dt: float, motion: RigidMotion | None) -> tuple[float, float, float]:
         """For the coming step, [m/s^2]: balances the kept forces and what the last step left of the mean flow."""

@@ -185,6 +185,7 @@ class _Canvas:
         lines = textwrap.wrap(self.film.title, max(20, (width - 20) // 8))[:3]
         self.corner = ((width - self.size[0]) // 2, _LINE * (len(lines) + 1) + 12)
         bar = _BAR if self.top > 0.0 else 10
+        bar += (self.corner[1] + bar) % 2   # the encoder wants an even height
         image = Image.new("RGB", (width, self.corner[1] + self.size[1] + bar), "white")
         pen = ImageDraw.Draw(image)
         for n, line in enumerate(lines):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,6 +146,29 @@ class Fluid:
         """Of the fluid after the last projection [J]."""
         dx, dy, dz = self.grid.spacing
         return 0.5 * self.density * self.square_sum * dx * dy * dz
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """All that the next step needs: views of the fields, and scalars."""
+        fields = dict(zip(("u", "v", "w"), self.velocity, strict=True)) | {"p": self.p}
+        tendencies = {f"tendency_{x}": values for x, values in zip("xyz", self.tendency, strict=True)}
+        scalars = {name: np.array(getattr(self, name)) for name in ("cfl_rate", "square_sum", "last_dt", "is_explicit")}
+        return fields | tendencies | scalars
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Change all fields to what `state` gave; the next step is then bit-identical.
+
+        Where diffusion is now advanced the other way, the stored tendency holds other terms: the next step is then
+        a first one.
+        """
+        names = ("u", "v", "w", "p", "tendency_x", "tendency_y", "tendency_z")
+        for target, name in zip((*self.velocity, self.p, *self.tendency), names, strict=True):
+            np.copyto(target, state[name])
+        self.cfl_rate, self.square_sum = float(state["cfl_rate"]), float(state["square_sum"])
+        self._last_dt = float(state["last_dt"])
+        if bool(state["is_explicit"]) != self.is_explicit:
+            self._last_dt = 0.0
+            for tendency in self.tendency:
+                tendency.fill(0.0)
 
     @property
     def bytes(self) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,29 +13,39 @@ from numpy.typing import NDArray
 from rdpm import _core
 from rdpm.grid.boundary import BOUNDARIES, Boundary
 
-__all__ = ["Grid", "choose_cells", "is_smooth"]
+__all__ = ["Grid", "choose_cells", "smooth_counts"]
 
 #: Spacings may differ by this much from the one asked, to reach a count that suits the transforms.
 SPACING_TOLERANCE = 0.03
 
 
-def is_smooth(n: int) -> bool:
-    """Whether n is a product of 2, 3 and 5.
+def smooth_counts(lower: float, upper: float) -> list[int]:
+    """Products of 2, 3 and 5 within a range, rising.
 
     Parameters
     ----------
-    n : int
-        > 0.
+    lower, upper : float
+        >= 1, both included.
 
     Examples
     --------
-    >>> is_smooth(54), is_smooth(53)
-    (True, False)
+    >>> smooth_counts(50, 60)
+    [50, 54, 60]
     """
-    for prime in (2, 3, 5):
-        while n % prime == 0:
-            n //= prime
-    return n == 1
+    found = []
+    five = 1
+    while five <= upper:
+        three = five
+        while three <= upper:
+            # The powers of two that lift it into the range.
+            n = three * 2 ** max(0, math.ceil(math.log2(lower / three)))
+            while n <= upper:
+                if n >= lower:
+                    found.append(n)
+                n *= 2
+            three *= 3
+        five *= 5
+    return sorted(found)
 
 
 def choose_cells(length: float, spacing: float) -> int:
@@ -59,11 +70,8 @@ def choose_cells(length: float, spacing: float) -> int:
     54
     """
     ideal = length / spacing
-    reach = range(max(4, int(ideal * (1 - SPACING_TOLERANCE))), max(5, int(ideal * (1 + SPACING_TOLERANCE)) + 2))
-    smooth = [n for n in reach if is_smooth(n) and abs(ideal / n - 1) <= SPACING_TOLERANCE]
-    if smooth:
-        return min(smooth, key=lambda n: abs(ideal / n - 1))
-    return max(4, round(ideal))
+    near = smooth_counts(max(4.0, ideal / (1 + SPACING_TOLERANCE)), max(4.0, ideal / (1 - SPACING_TOLERANCE)))
+    return min(near or [max(4, round(ideal))], key=lambda n: abs(ideal / n - 1))
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from collections.abc import Callable, Iterable, Sequence
-from io import BufferedRandom, BufferedWriter
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +44,7 @@ HISTORY_COLUMNS = (
 TIMING_COLUMNS = ("step", "time_s", "wall_s", "momentum_s", "bodies_s", "poisson_s", "contacts_s")
 NO_NEIGHBOUR = -7
 
+_HELD = 1 << 20  # bytes of rows that wait for a flush at most
 _INTEGERS = {"id", "neighbour", "i", "j", "step"}
 _TEXTS = {"kind"}
 
@@ -99,23 +102,31 @@ class TableWriter:
         self.columns = tuple(columns)
         self._formatters = [_formatter(name) for name in self.columns]
         header = (",".join(self.columns) + "\n").encode()
-        self._file: BufferedRandom | BufferedWriter
+        self._rows = bytearray()   # not Python's buffer: it would try again, at closing, what a full disk refused
         with reporting(self.path):
+            self._file = open(self.path, "wb" if append_at is None else "r+b", buffering=0)  # noqa: SIM115
+        self._end = 0
+        try:
             if append_at is None:
-                self._file = open(self.path, "wb")  # noqa: SIM115 (open as long as the run)
-                self._file.write(header)
-                return
-            self._file = open(self.path, "r+b")  # noqa: SIM115
-            found, size = self._file.readline(), self._file.seek(0, 2)
-            if found != header or not len(header) <= append_at <= size:
-                self._file.close()
-                raise OutputError(
-                    str(self.path), None, f"cannot be continued from byte {append_at}",
-                    "it is shorter, or has other columns, than when that position was noted",
-                    "Start the run anew in another folder.",
-                )
-            self._file.seek(append_at)
-            self._file.truncate()
+                self._rows += header
+            else:
+                self._continue(header, append_at)
+            self.flush()
+        except OSError:
+            self._file.close()
+            raise
+
+    def _continue(self, header: bytes, append_at: int) -> None:
+        found, size = self._file.read(len(header)), self._file.seek(0, 2)
+        if found != header or not len(header) <= append_at <= size:
+            raise OutputError(
+                str(self.path), None, f"cannot be continued from byte {append_at}",
+                "it is shorter, or has other columns, than when that position was noted",
+                "Start the run anew in another folder.",
+            )
+        with reporting(self.path):
+            self._file.truncate(append_at)
+            self._end = self._file.seek(append_at)
 
     def write(self, rows: NDArray[Any] | Iterable[Sequence[Any]]) -> None:
         """Append rows: a 2-D array, or a sequence of rows in the order of the columns.
@@ -132,29 +143,61 @@ class TableWriter:
             ",".join([form(value) for form, value in zip(self._formatters, row, strict=True)]) + "\n"
             for row in listed
         ]
-        with reporting(self.path):
-            self._file.write("".join(lines).encode())
+        self._rows += "".join(lines).encode()
+        if len(self._rows) > _HELD:
+            self.flush()
 
     def flush(self) -> None:
-        """Hand what was written to the system, so that others can read it."""
+        """Hand what was written to the system, so that others can read it.
+
+        Raises
+        ------
+        OutputError
+            The disk refuses, or the file was removed; the table then ends with the last whole row before.
+        """
+        rows, self._rows = memoryview(bytes(self._rows)), bytearray()
         with reporting(self.path):
-            self._file.flush()
+            if os.fstat(self._file.fileno()).st_nlink == 0:   # a removed file would take every row without a word
+                raise FileNotFoundError(errno.ENOENT, "it was removed while the run went on")
+            try:
+                while rows:
+                    rows = rows[self._file.write(rows) :]
+            except OSError:
+                with suppress(OSError):
+                    self._file.truncate(self._end)
+                    self._file.seek(self._end)
+                raise
+            self._end = self._file.tell()
+
+    def sync(self) -> int:
+        """Flush to the disk itself; the position in bytes from which `append_at` continues."""
+        self.flush()
+        with reporting(self.path):
+            os.fsync(self._file.fileno())
+        return self._end
 
     def tell(self) -> int:
         """The position in bytes from which `append_at` continues; flushes first."""
         self.flush()
-        return self._file.tell()
+        return self._end
 
     def close(self) -> None:
         """Flush and close; further calls do nothing."""
-        with reporting(self.path):
+        if self._file.closed:
+            return
+        try:
+            self.flush()
+        finally:
             self._file.close()
 
     def __enter__(self) -> TableWriter:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, kind: object, *_: object) -> None:
+        if kind is None:
+            self.close()
+        else:   # what failed is told already
+            self._file.close()
 
 
 def read_table(path: str | Path) -> dict[str, NDArray[Any]]:

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rdpm.errors import CaseError
-from rdpm.io.files import replacing, reporting
+from rdpm.io.appending import appending, reserve
+from rdpm.io.files import replacing
 from rdpm.io.sphere_surface import sphere_surface
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ __all__ = ["BodyWriter", "FieldWriter", "field_grid", "field_times", "read_field
 
 Floats = NDArray[np.float64]
 _PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}   # VTK reads no lzf
+_POINTS = 65536   # a chunk of the bodies' surfaces
 _CHUNK = 32   # cells an edge: a plane in any direction reads a part of the file only
 
 
@@ -38,15 +40,6 @@ def _append(dataset: h5py.Dataset, rows: NDArray[Any]) -> None:
     count = dataset.shape[0]
     dataset.resize(count + len(rows), axis=0)
     dataset[count:] = rows
-
-
-@contextmanager
-def _appending(path: Path) -> Iterator[h5py.Group]:
-    # Opened for each step only: between two writes the file is whole, and others may read it.
-    import h5py
-
-    with reporting(path), h5py.File(path, "r+") as file:
-        yield file["VTKHDF"]
 
 
 class FieldWriter:
@@ -98,6 +91,7 @@ class FieldWriter:
         import h5py
 
         nz, ny, nx = self.shape
+        reserve(temporary)
         with h5py.File(temporary, "w") as file:
             root = _start(file, "ImageData")
             root.attrs["WholeExtent"] = np.array([0, nx, 0, ny, 0, nz], np.int64)
@@ -118,7 +112,7 @@ class FieldWriter:
                 offsets.create_dataset(name, shape=(0,), maxshape=(None,), dtype="i8", chunks=(256,))
 
     def _rewind(self, time: float) -> None:
-        with _appending(self.path) as root:
+        with appending(self.path) as root:
             count = int(np.searchsorted(root["Steps/Values"][:], time, side="right"))
             for name in ("CellData/velocity", "CellData/pressure", "Steps/Values"):
                 root[name].resize(count, axis=0)
@@ -149,7 +143,7 @@ class FieldWriter:
         if u.shape != (*self.shape, 3) or p.shape != self.shape:
             asked = f"must be {(*self.shape, 3)} and {self.shape}"
             raise ValueError(f"velocity {u.shape}, pressure {p.shape}: {asked}")
-        with _appending(self.path) as root:
+        with appending(self.path, u.nbytes + p.nbytes) as root:
             step = int(root["Steps"].attrs["NSteps"])
             for name, values in (("velocity", u), ("pressure", p)):
                 _append(root["CellData"][name], values[None])
@@ -292,10 +286,12 @@ class BodyWriter:
         if keep_until is None or not self.path.exists():
             import h5py
 
-            with replacing(self.path) as temporary, h5py.File(temporary, "w") as file:
-                _start(file, "PolyData")
+            with replacing(self.path) as temporary:
+                reserve(temporary)
+                with h5py.File(temporary, "w") as file:
+                    _start(file, "PolyData")
             return
-        with _appending(self.path) as root:
+        with appending(self.path) as root:
             if "Points" in root:
                 self._rewind(root, keep_until)
 
@@ -322,7 +318,7 @@ class BodyWriter:
             group.create_dataset("Offsets", data=3 * np.arange(used + 1))
             group.create_dataset("Connectivity", data=cells[:used].ravel())
         root.create_dataset("NumberOfPoints", data=np.array([count * size]))
-        chunk = (max(1, min(count * size, 65536)), 3)
+        chunk = (max(1, min(count * size, _POINTS)), 3)
         root.create_dataset("Points", (0, 3), maxshape=(None, 3), dtype="f4", chunks=chunk, **_PACKED)
         data, steps = root.create_group("PointData"), root["Steps"]
         offsets = steps.create_group("PointDataOffsets")
@@ -372,7 +368,8 @@ class BodyWriter:
         u = np.asarray(velocity, np.float64).reshape(count, 3)
         omega = np.asarray(angular_velocity, np.float64).reshape(count, 3)
         values = {"velocity": u, "angular_velocity": omega, "speed": np.linalg.norm(u, axis=1)}
-        with _appending(self.path) as root:
+        # 44 bytes a point and 64 of its triangles; a begun chunk of each dataset may move to another place.
+        with appending(self.path, count * len(unit) * 108 + _POINTS * 44) as root:
             if "Points" not in root:
                 self._create(root, count)
             if root["NumberOfPoints"][0] != count * len(unit):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,15 +65,19 @@ class MarkerSet:
         self._body_force = np.zeros(size)
         self.fluid_velocity, self._change = np.zeros(size), np.zeros(size)
         self._layer_arm_square = depth**2
-        self._stencils = _core.Markers()
+        self._stencils = _core.Markers(grid.core, self.first)
 
     def __len__(self) -> int:
         return int(self.first[-1])
 
-    @property
-    def stored_force(self) -> Floats:
-        """The kept forces in the bodies' axes, (M, 3) [m/s^2]: part of a checkpoint."""
-        return self._body_force
+    def state(self) -> dict[str, NDArray[Any]]:
+        """The kept forces in the bodies' axes, and the volumes as the last step left them; views."""
+        return {"force": self._body_force, "volume": self.volume}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Take over what `state` gave; call `place` once the bodies are restored."""
+        np.copyto(self._body_force, state["force"])
+        np.copyto(self.volume, state["volume"])
 
     def place(self, bodies: Bodies) -> None:
         """Move the markers, their stencils and their kept forces to where the bodies are now."""

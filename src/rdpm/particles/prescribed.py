@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +63,15 @@ class Prescription:
 
     def __init__(self, motions: dict[int, Motion]) -> None:
         self.motions = dict(motions)
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Ids of the bodies that are still held."""
+        return {"held": np.array(sorted(self.motions), np.int64)}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Forget the motions of the bodies that were released before `state`."""
+        held = set(state["held"].tolist())
+        self.motions = {body: motion for body, motion in self.motions.items() if body in held}
 
     def hold(self, bodies: Bodies, time: float, dt: float) -> None:
         """Give each body its mean velocity over the step, with which its position advances."""

@@ -18,6 +18,9 @@ step, so that momentum is conserved over time.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,6 +39,8 @@ INNER_SHARE = 0.45
 INNER_SHARE_SPIN = 0.65
 
 Floats = NDArray[np.float64]
+
+_KEPT = ("inner", "missed", "hydrodynamic_force", "hydrodynamic_torque", "given_force")
 
 
 class RigidMotion:
@@ -99,6 +104,16 @@ class RigidMotion:
         out[:, :3] *= self.fluid_mass[:, None]
         out[:, 3:] *= self.fluid_moment[:, None]
         return out
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """What the next step, and the tables, take from the last one."""
+        return {name: np.asarray(getattr(self, name)) for name in _KEPT} | {"slip": np.array(self.slip)}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Take over what `state` gave."""
+        for name in _KEPT:
+            setattr(self, name, np.array(state[name]))
+        self.slip = float(state["slip"])
 
     def begin(self) -> None:
         """Measure the inner fluid at the start of a run."""

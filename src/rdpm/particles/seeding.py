@@ -63,6 +63,9 @@ def _points(count: int) -> NDArray[np.float64]:
         points = points + push / np.maximum(size, 1.0) * distance * 0.1 * (1.0 - sweep / 300)
         points /= np.linalg.norm(points, axis=1, keepdims=True)
     result = _images(points)
+    # Neighbours in the list are neighbours on the grid: rings by height, round each ring.
+    ring_of = np.floor((result[:, 2] + 1.0) / distance)
+    result = result[np.lexsort((np.arctan2(result[:, 1], result[:, 0]), ring_of))]
     result.setflags(write=False)
     return result
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +12,7 @@ from numpy.typing import NDArray
 __all__ = ["FREE", "PRESCRIBED", "Bodies"]
 
 FREE = 0
+_CHANGING = ("position", "velocity", "angular_velocity", "orientation", "crossings", "motion")
 PRESCRIBED = 1  # velocity given as a function of time; a fixed body is one at rest
 
 Floats = NDArray[np.float64]
@@ -71,6 +74,26 @@ class Bodies:
 
     def __len__(self) -> int:
         return int(self.diameter.size)
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """All that changes from step to step, as views."""
+        return {name: getattr(self, name) for name in _CHANGING}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Change the bodies to what `state` gave."""
+        for name in _CHANGING:
+            np.copyto(getattr(self, name), state[name])
+
+    def turn_at_random(self, members: NDArray[np.int64], seed: int) -> None:
+        """Change the orientation of some bodies to random ones, evenly over all rotations.
+
+        Parameters
+        ----------
+        members : ndarray of int, (K,)
+        seed : int
+        """
+        quaternion = np.random.default_rng(seed).standard_normal((len(members), 4))
+        self.orientation[members] = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
 
     @property
     def is_free(self) -> NDArray[np.bool_]:

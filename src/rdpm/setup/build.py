@@ -67,6 +67,10 @@ def _system(made: Plan, threads: int) -> System:
     case = made.case
     table = case.expanded_bodies()
     bodies = Bodies(table.diameter, table.density, table.position, table.velocity, table.angular_velocity)
+    for number, group in enumerate(case.bodies):
+        if group.orientation_seed is not None:
+            members = np.flatnonzero(table.group == number)
+            bodies.turn_at_random(members, group.orientation_seed)
     prescription = Prescription(_motions(table.motion))
     prescription.hold(bodies, 0.0, 0.0)
     domain = case.domain

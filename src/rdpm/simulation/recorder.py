@@ -2,22 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rdpm.contacts import nearest_gaps
+from rdpm.errors import OutputError
+from rdpm.io.files import reporting
 from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, PARTICLE_COLUMNS, TIMING_COLUMNS, TableWriter
 from rdpm.io.vtkhdf import BodyWriter, FieldWriter
 from rdpm.simulation.schedule import Every
 from rdpm.simulation.simulation import Simulation
 
-__all__ = ["Recorder"]
+__all__ = ["TABLES", "Recorder"]
+
+#: Names, without ending, and columns.
+TABLES = {
+    "particles": PARTICLE_COLUMNS,
+    "contacts": CONTACT_COLUMNS,
+    "history": HISTORY_COLUMNS,
+    "timing": TIMING_COLUMNS,
+}
+
+Writer = TypeVar("Writer")
 
 
 class Recorder:
     """Writes a run's tables and fields into its folder.
+
+    Leaving its context closes the files as they are; `close` also writes what is still open.
 
     Parameters
     ----------
@@ -26,30 +43,76 @@ class Recorder:
         Must exist.
     table_every, fields_every : float, [s]
         Of simulated time; fields are not written at 0.
+    resumed : tuple of (mapping of str to ndarray, mapping), optional
+        What `state` gave: the files are continued from there, later rows and fields dropped.
+    note : callable, optional
+        Gets a sentence about a file that could not be continued.
     """
 
-    def __init__(self, simulation: Simulation, folder: Path, table_every: float, fields_every: float) -> None:
+    def __init__(
+        self,
+        simulation: Simulation,
+        folder: Path,
+        table_every: float,
+        fields_every: float,
+        resumed: tuple[Mapping[str, NDArray[Any]], Mapping[str, Any]] | None = None,
+        note: Callable[[str], None] | None = None,
+    ) -> None:
         self.simulation = simulation
         self._tables, self._fields = Every(table_every), Every(fields_every)
-        self._particles = TableWriter(folder / "particles.csv", PARTICLE_COLUMNS)
-        self._contacts = TableWriter(folder / "contacts.csv", CONTACT_COLUMNS)
-        self._history = TableWriter(folder / "history.csv", HISTORY_COLUMNS)
-        self._timing = TableWriter(folder / "timing.csv", TIMING_COLUMNS)
         fluid, bodies = simulation.fluid, simulation.bodies
-        wants_fields = fields_every > 0.0
-        self._flow = (
-            FieldWriter(folder / "fields.vtkhdf", fluid.grid.cells, fluid.grid.spacing)
-            if fluid and wants_fields
-            else None
-        )
-        self._shapes = BodyWriter(folder / "bodies.vtkhdf") if len(bodies) and wants_fields else None
         self._contact_impulse = np.zeros((len(bodies), 3))
         self._since = simulation.time
         self._deepest = 0.0
         self.episodes: dict[str, Any] = {"count": 0, "max_overlap_fraction": 0.0, "total_time_s": 0.0}
         self.max_speed = np.linalg.norm(bodies.velocity, axis=1)
+        arrays, facts = resumed or ({}, {})
+        with ExitStack() as files:
+            at = facts.get("positions", {})
+            writers = {
+                name: files.enter_context(TableWriter(folder / f"{name}.csv", columns, at.get(name)))
+                for name, columns in TABLES.items()
+            }
+            self._flow = self._shapes = None
+            until = simulation.time if resumed else None
+            if fields_every > 0.0 and fluid:
+                cells, spacing = fluid.grid.cells, fluid.grid.spacing
+                self._flow = _continued(
+                    folder / "fields.vtkhdf", until, note, lambda path, keep: FieldWriter(path, cells, spacing, keep)
+                )
+            if fields_every > 0.0 and len(bodies):
+                self._shapes = _continued(folder / "bodies.vtkhdf", until, note, BodyWriter)
+            self._particles, self._contacts, self._history, self._timing = writers.values()
+            self._writers = writers
+            if resumed:
+                self._take_over(arrays, facts)
+            else:
+                self._write()
+            self._files = files.pop_all()
         simulation.on_step(self.step)
-        self._write()
+
+    def state(self) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+        """Sums and schedules, and where each table, now safe on the disk, stands: arrays, and plain values."""
+        return {"contact_impulse": self._contact_impulse, "max_speed": self.max_speed}, {
+            "positions": {name: writer.sync() for name, writer in self._writers.items()},
+            "counts": [self._tables.count, self._fields.count],
+            "since_s": self._since,
+            "deepest": self._deepest,
+            "episodes": self.episodes,
+        }
+
+    def _take_over(self, arrays: Mapping[str, NDArray[Any]], facts: Mapping[str, Any]) -> None:
+        np.copyto(self._contact_impulse, arrays["contact_impulse"])
+        np.copyto(self.max_speed, arrays["max_speed"])
+        self._tables.count, self._fields.count = facts["counts"]
+        self._since, self._deepest = facts["since_s"], facts["deepest"]
+        self.episodes = dict(facts["episodes"])
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(self, *exception: Any) -> None:
+        self._files.__exit__(*exception)
 
     def step(self, simulation: Simulation) -> None:
         """Follow one step; write what has come due."""
@@ -139,7 +202,7 @@ class Recorder:
                 ]
             ]
         )
-        for table in (self._particles, self._contacts, self._history, self._timing):
+        for table in self._writers.values():
             table.flush()
 
     def _write_fields(self) -> None:
@@ -153,9 +216,28 @@ class Recorder:
     def close(self) -> None:
         """Record contacts still open, write a last row, and close the tables."""
         sim = self.simulation
-        sim.system.contacts.close_open(sim.time, sim.dt)
-        self._take_episodes()
-        if sim.time > self._since:
-            self._write_tables()
-        for table in (self._particles, self._contacts, self._history, self._timing):
-            table.close()
+        try:
+            sim.system.contacts.close_open(sim.time, sim.dt)
+            self._take_episodes()
+            if sim.time > self._since:
+                self._write_tables()
+        finally:
+            self._files.close()
+
+
+def _continued(
+    path: Path, until: float | None, note: Callable[[str], None] | None, make: Callable[[Path, float | None], Writer]
+) -> Writer:
+    """Open a file of fields to go on after `until`; a broken one is set aside, as no checkpoint depends on it."""
+    try:
+        return make(path, until)
+    except (OutputError, KeyError, RuntimeError, ValueError) as error:
+        is_refused = "errno" in str(error.__cause__) or getattr(error.__cause__, "errno", None) is not None
+        if until is None or is_refused:   # by the system: the file itself may be good
+            raise
+        aside = path.with_suffix(".broken")
+        with reporting(aside):
+            path.replace(aside)
+        if note:
+            note(f"warning: {path} was broken off while it was written: a new one begins, the old is {aside}")
+        return make(path, None)

@@ -7,11 +7,13 @@
 
 namespace rdpm {
 
-inline double roma(double r) {
-    r = std::abs(r);
-    if (r < 0.5) return (1.0 + std::sqrt(1.0 - 3.0 * r * r)) / 3.0;
-    if (r < 1.5) return (5.0 - 3.0 * r - std::sqrt(std::fmax(0.0, 1.0 - 3.0 * (1.0 - r) * (1.0 - r)))) / 6.0;
-    return 0.0;
+// Weights of the three points around s (in cells), the middle one being the nearest: they sum to one and
+// their first moment is s, so one square root gives all three.
+inline void roma_weights(double s, int middle, double* weight) {
+    const double r = s - middle;
+    weight[1] = (1.0 + std::sqrt(1.0 - 3.0 * r * r)) / 3.0;
+    weight[0] = 0.5 * (1.0 - weight[1] - r);
+    weight[2] = 0.5 * (1.0 - weight[1] + r);
 }
 
 // Three indices and weights along one direction; `wall`: what a moving wall's speed enters with.
@@ -30,9 +32,11 @@ inline Stencil stencil_along(const Grid& g, int d, double x, int location) {
     const double s = x / g.spacing[d] + (on_faces ? 0.0 : 0.5);  // in index units: face i at i, centre i at i
     const int middle = static_cast<int>(std::floor(s + 0.5));
     Stencil out{};
+    double weights[3];
+    roma_weights(s, middle, weights);
     for (int a = 0; a < 3; ++a) {
         int i = middle - 1 + a;
-        double weight = roma(s - i);
+        double weight = weights[a];
         if (g.boundary[d] == periodic) {
             while (i < 1) i += n;
             while (i > n) i -= n;

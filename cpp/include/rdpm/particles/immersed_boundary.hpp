@@ -1,39 +1,112 @@
 // Markers and grid: interpolation and spreading, exact adjoints, and the sums over each body's markers.
 //
-// A marker's stencils are made once a step. Spreading is shared by planes: markers are visited in the order
-// of their lowest plane, every thread adds only to the planes it owns, so no two threads touch a value and
-// the order of a sum is fixed.
+// A marker's stencils are made once a step: away from the sides three weights a direction and the place of
+// the first point, beside them the folded ones. Spreading is shared by planes: markers are visited in the
+// order of their plane, every thread adds only to the planes it owns, so no two threads touch a value and the
+// order of a sum is fixed.
 #pragma once
 #include <omp.h>
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
+#include <vector>
 
 #include "rdpm/fluid/momentum.hpp"
 #include "rdpm/particles/delta.hpp"
 
 namespace rdpm {
 
-// Stencils of one marker: [0] at centres, [1] on faces, along each direction, for each component they serve.
-// Component c needs faces along c and centres elsewhere; at a side the sign depends on the component only
-// through c == d.
-struct MarkerStencils {
+// Stencils of a marker beside a side, for values at centres and on faces along each direction. Component c
+// needs faces along c and centres elsewhere; at a side the sign depends on the component only through c == d.
+struct FoldedStencils {
     Stencil centre_of[3], face_of[3];
     const Stencil& along(int d, int component) const { return d == component ? face_of[d] : centre_of[d]; }
 };
 
-inline void make_stencils(const Grid& g, const double* position, int first, int last, MarkerStencils* out) {
-#pragma omp parallel for num_threads(g.threads) schedule(static) if (last - first > 256)
-    for (int m = first; m < last; ++m)
-        for (int d = 0; d < 3; ++d) {
-            const double x = position[3 * m + d];
-            out[m].centre_of[d] = stencil_along(g, d, x, d == 0 ? face_y : face_x);
-            out[m].face_of[d] = stencil_along(g, d, x, d);
+struct MarkerStencils {
+    double weight[2][3][3];    // [at centres, on faces][direction][point]
+    std::int32_t first[3];     // offset of the first point, of each component
+    std::int32_t plane, face;  // z index of the nearest centre, and of the first face
+    std::int32_t folded;       // place in the list of folded stencils, or -1
+};
+
+struct StencilSet {
+    std::vector<MarkerStencils> marker;
+    std::vector<FoldedStencils> folded;
+    std::vector<std::int32_t> first;            // markers first[b] to first[b + 1] belong to body b
+    std::vector<std::int32_t> lowest, highest;  // planes a body's markers reach
+    std::vector<std::int32_t> below;            // markers in planes below each plane
+    int count() const { return static_cast<int>(marker.size()); }
+};
+
+// Four neighbouring doubles at once; the fourth enters with weight zero.
+typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));
+
+inline Four three(const double* w) {
+    return Four{w[0], w[1], w[2], 0.0};
+}
+
+inline bool make_stencils(const Grid& g, const double* x, MarkerStencils& out) {
+    bool inside = true;
+    int nearest[2][3];
+    for (int d = 0; d < 3; ++d)
+        for (int on_face = 0; on_face < 2; ++on_face) {
+            const double s = x[d] / g.spacing[d] + (on_face ? 0.0 : 0.5);
+            const int middle = static_cast<int>(std::floor(s + 0.5));
+            nearest[on_face][d] = middle;
+            roma_weights(s, middle, out.weight[on_face][d]);
+            // one point further on is read, with weight zero; faces at and beyond a side are folded
+            inside = inside && middle >= 2 && middle < g.cells[d] - 1;
         }
+    const auto row = static_cast<std::int32_t>(g.row()), plane = static_cast<std::int32_t>(g.plane());
+    for (int c = 0; c < 3; ++c)
+        out.first[c] =
+            (nearest[c == 2][2] - 1) * plane + (nearest[c == 1][1] - 1) * row + nearest[c == 0][0] - 1;
+    out.plane = std::clamp(nearest[0][2], 1, g.nz());
+    out.face = nearest[1][2] - 1;
+    out.folded = -1;
+    return inside;
+}
+
+// Stencils of all markers, and the planes that each body reaches.
+inline void place(const Grid& g, const double* position, StencilSet& set) {
+    const int markers = set.count(), bodies = static_cast<int>(set.first.size()) - 1;
+#pragma omp parallel for num_threads(g.threads) schedule(static) if (markers > 256)
+    for (int m = 0; m < markers; ++m)
+        if (!make_stencils(g, position + 3 * m, set.marker[m])) set.marker[m].folded = 0;
+    set.folded.clear();
+    std::fill(set.below.begin(), set.below.end(), 0);
+    for (int b = 0; b < bodies; ++b) {
+        set.lowest[b] = g.nz();
+        set.highest[b] = 1;
+        for (int m = set.first[b]; m < set.first[b + 1]; ++m) {
+            MarkerStencils& s = set.marker[m];
+            ++set.below[s.plane + 1];
+            if (s.folded < 0) {
+                set.lowest[b] = std::min(set.lowest[b], s.plane - 2);
+                set.highest[b] = std::max(set.highest[b], s.plane + 1);
+                continue;
+            }
+            s.folded = static_cast<std::int32_t>(set.folded.size());
+            FoldedStencils all;
+            for (int d = 0; d < 3; ++d) {
+                all.centre_of[d] = stencil_along(g, d, position[3 * m + d], d == 0 ? face_y : face_x);
+                all.face_of[d] = stencil_along(g, d, position[3 * m + d], d);
+            }
+            for (const Stencil& z : {all.centre_of[2], all.face_of[2]})
+                for (int k : z.index) {
+                    set.lowest[b] = std::min(set.lowest[b], k);
+                    set.highest[b] = std::max(set.highest[b], k);
+                }
+            set.folded.push_back(all);
+        }
+    }
+    for (int k = 0; k < g.nz() + 2; ++k) set.below[k + 1] += set.below[k];
 }
 
 // What moving walls add to the interpolated component: the folded weights times the walls' speed.
-inline double wall_part(const Grid& g, const MarkerStencils& s, int component) {
+inline double wall_part(const Grid& g, const FoldedStencils& s, int component) {
     double sum = 0.0;
     for (int d = 0; d < 3; ++d)
         if (d != component)
@@ -43,7 +116,7 @@ inline double wall_part(const Grid& g, const MarkerStencils& s, int component) {
     return sum;
 }
 
-inline double interpolate_component(const Grid& g, const double* q, const MarkerStencils& s, int component) {
+inline double interpolate_folded(const Grid& g, const double* q, const FoldedStencils& s, int component) {
     const Stencil &x = s.along(0, component), &y = s.along(1, component), &z = s.along(2, component);
     double sum = 0.0;
     for (int c = 0; c < 3; ++c) {
@@ -56,61 +129,120 @@ inline double interpolate_component(const Grid& g, const double* q, const Marker
         }
         sum += z.weight[c] * in_plane;
     }
-    return sum;
+    return sum + wall_part(g, s, component);
+}
+
+// The rows of a marker soon to come: the bodies' shells are too scattered for the processor to foresee.
+constexpr int prefetch_ahead = 6;
+
+inline void prefetch(const Grid& g, const VelocityArrays& q, const StencilSet& set, int m) {
+    if (m >= set.count() || set.marker[m].folded >= 0) return;
+    const double* field[3] = {q.u, q.v, q.w};
+    for (int component = 0; component < 3; ++component) {
+        const double* first = field[component] + set.marker[m].first[component];
+        for (int c = 0; c < 3; ++c)
+            for (int b = 0; b < 3; ++b) __builtin_prefetch(first + c * g.plane() + b * g.row());
+    }
+}
+
+// Known at compile time which direction is on faces: the 27 terms unroll.
+template <int component>
+inline double interpolate_inside(std::size_t row, std::size_t plane, const double* q,
+                                 const MarkerStencils& s) {
+    const double *x = s.weight[component == 0][0], *y = s.weight[component == 1][1],
+                 *z = s.weight[component == 2][2];
+    const double* p = q + s.first[component];
+    const auto at = [](const double* r) { return *reinterpret_cast<const Four*>(r); };
+    Four sum{};
+    for (int c = 0; c < 3; ++c, p += plane)
+        sum += z[c] * (y[0] * at(p) + y[1] * at(p + row) + y[2] * at(p + 2 * row));
+    return x[0] * sum[0] + x[1] * sum[1] + x[2] * sum[2];
 }
 
 // Velocity at the markers, (markers, 3).
-inline void interpolate(const Grid& g, const VelocityArrays& q, const MarkerStencils* stencils, int markers,
-                        double* out) {
+inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet& set, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
-#pragma omp parallel for num_threads(g.threads) schedule(static) if (markers > 256)
-    for (int m = 0; m < markers; ++m)
-        for (int c = 0; c < 3; ++c)
-            out[3 * m + c] =
-                interpolate_component(g, field[c], stencils[m], c) + wall_part(g, stencils[m], c);
+    const std::size_t row = g.row(), plane = g.plane();
+#pragma omp parallel for num_threads(g.threads) schedule(static) if (set.count() > 256)
+    for (int m = 0; m < set.count(); ++m) {
+        const MarkerStencils& s = set.marker[m];
+        prefetch(g, q, set, m + prefetch_ahead);
+        if (s.folded < 0) {
+            out[3 * m] = interpolate_inside<0>(row, plane, q.u, s);
+            out[3 * m + 1] = interpolate_inside<1>(row, plane, q.v, s);
+            out[3 * m + 2] = interpolate_inside<2>(row, plane, q.w, s);
+        } else {
+            for (int c = 0; c < 3; ++c)
+                out[3 * m + c] = interpolate_folded(g, field[c], set.folded[s.folded], c);
+        }
+    }
 }
 
-// Order of the markers by the plane of their cell, a counting sort; `start`: nz + 3 offsets into it.
-inline void order_by_plane(const Grid& g, const MarkerStencils* stencils, int markers, std::int32_t* order,
-                           std::int32_t* start) {
-    std::fill_n(start, g.nz() + 3, 0);
-    for (int m = 0; m < markers; ++m) ++start[stencils[m].centre_of[2].index[1] + 1];
-    for (int k = 0; k < g.nz() + 2; ++k) start[k + 1] += start[k];
-    for (int m = 0; m < markers; ++m) order[start[stencils[m].centre_of[2].index[1]]++] = m;
-    for (int k = g.nz() + 2; k > 0; --k) start[k] = start[k - 1];
-    start[0] = 0;
+// One marker's share in the planes [first, last).
+inline void spread_folded(const Grid& g, double* q, const FoldedStencils& s, int component, double strength,
+                          int first, int last) {
+    const Stencil &x = s.along(0, component), &y = s.along(1, component), &z = s.along(2, component);
+    for (int c = 0; c < 3; ++c) {
+        if (z.index[c] < first || z.index[c] >= last) continue;
+        for (int b = 0; b < 3; ++b) {
+            double* r = q + z.index[c] * g.plane() + y.index[b] * g.row();
+            const double f = strength * z.weight[c] * y.weight[b];
+            for (int a = 0; a < 3; ++a) r[x.index[a]] += f * x.weight[a];
+        }
+    }
+}
+
+template <int component>
+inline void spread_inside(std::size_t row, std::size_t plane, double* q, const MarkerStencils& s,
+                          double strength, int first, int last) {
+    const double *y = s.weight[component == 1][1], *z = s.weight[component == 2][2];
+    const Four x = strength * three(s.weight[component == 0][0]);
+    double* p = q + s.first[component];
+    const int lowest = component == face_z ? s.face : s.plane - 1;
+    const auto at = [](double* r) -> Four& { return *reinterpret_cast<Four*>(r); };
+    for (int c = 0; c < 3; ++c, p += plane) {
+        if (lowest + c < first || lowest + c >= last) continue;
+        const Four f = z[c] * x;
+        at(p) += y[0] * f;
+        at(p + row) += y[1] * f;
+        at(p + 2 * row) += y[2] * f;
+    }
 }
 
 // q += factor * sum over markers of value * volume * delta: the adjoint of interpolate.
-inline void spread(const Grid& g, const VelocityArrays& q, const MarkerStencils* stencils, int markers,
-                   const std::int32_t* order, const double* value, const double* volume, double factor) {
+inline void spread(const Grid& g, const VelocityArrays& q, const StencilSet& set, const double* value,
+                   const double* volume, double factor) {
     double* field[3] = {q.u, q.v, q.w};
     const double per_cell = factor / g.volume();
-    const int threads = markers > 256 ? std::min(g.threads, g.nz()) : 1;
+    const std::size_t row = g.row(), plane = g.plane();
+    const int markers = set.count(), nz = g.nz();
+    const int threads = markers > 256 ? std::min(g.threads, nz) : 1;
 #pragma omp parallel num_threads(threads)
     {
         const int team = omp_get_num_threads(), me = omp_get_thread_num();
         // Equal numbers of markers, cut between planes.
         const auto cut = [&](int t) {
             if (t == 0) return 1;
-            if (t == team) return g.nz() + 1;
-            return stencils[order[static_cast<long>(markers) * t / team]].centre_of[2].index[1];
+            if (t == team) return nz + 1;
+            const auto share = static_cast<std::int32_t>(static_cast<long>(markers) * t / team);
+            return static_cast<int>(std::upper_bound(set.below.begin(), set.below.end(), share) -
+                                    set.below.begin() - 1);
         };
         const int first = cut(me), last = cut(me + 1);
-        for (int n = 0; n < markers; ++n) {
-            const int m = order[n];
-            const MarkerStencils& s = stencils[m];
-            for (int c = 0; c < 3; ++c) {
-                const Stencil &x = s.along(0, c), &y = s.along(1, c), &z = s.along(2, c);
-                const double strength = per_cell * volume[m] * value[3 * m + c];
-                for (int kk = 0; kk < 3; ++kk) {
-                    if (z.index[kk] < first || z.index[kk] >= last) continue;
-                    double* plane = field[c] + z.index[kk] * g.plane();
-                    for (int jj = 0; jj < 3; ++jj) {
-                        double* r = plane + y.index[jj] * g.row();
-                        const double f = strength * z.weight[kk] * y.weight[jj];
-                        for (int ii = 0; ii < 3; ++ii) r[x.index[ii]] += f * x.weight[ii];
-                    }
+        for (int b = 0; b + 1 < static_cast<int>(set.first.size()); ++b) {
+            if (set.highest[b] < first || set.lowest[b] >= last) continue;
+            for (int m = set.first[b]; m < set.first[b + 1]; ++m) {
+                const MarkerStencils& s = set.marker[m];
+                prefetch(g, q, set, m + prefetch_ahead);
+                const double strength = per_cell * volume[m];
+                const double* f = value + 3 * m;
+                if (s.folded < 0) {
+                    spread_inside<0>(row, plane, q.u, s, strength * f[0], first, last);
+                    spread_inside<1>(row, plane, q.v, s, strength * f[1], first, last);
+                    spread_inside<2>(row, plane, q.w, s, strength * f[2], first, last);
+                } else {
+                    for (int c = 0; c < 3; ++c)
+                        spread_folded(g, field[c], set.folded[s.folded], c, strength * f[c], first, last);
                 }
             }
         }

@@ -1,0 +1,46 @@
+"""How the documentation is built: ``sphinx-build -W -b html docs docs/_build/html``."""
+
+import re
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import rdpm
+
+project = "rdpm"
+author = "the rdpm developers"
+copyright = "the rdpm developers"
+version = release = rdpm.__version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.mathjax",
+    "sphinx.ext.napoleon",
+    "from_the_code",
+]
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 3
+exclude_patterns = ["_build"]
+
+html_theme = "furo"
+html_title = f"rdpm {release}"
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # the docstrings say type, shape, unit and range
+napoleon_google_docstring = False
+napoleon_use_rtype = False
+napoleon_use_ivar = True
+
+
+def _plain_references(app, what, name, obj, options, lines):
+    """Number the references of a docstring as a list: several share a page, and labels would clash."""
+    for n, line in enumerate(lines):
+        line = re.sub(r"\[(\d)\]_", r"[\1]", line)
+        lines[n] = re.sub(r"^(\s*)\.\. \[(\d)\] ", r"\1\2. ", line)
+
+
+def setup(app):
+    """Add what is particular to these pages."""
+    app.connect("autodoc-process-docstring", _plain_references, priority=400)

@@ -1,0 +1,91 @@
+"""One run in a folder at a time."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from rdpm.errors import CaseError
+
+__all__ = ["LOCK_NAME", "locked"]
+
+LOCK_NAME = "run.lock"
+
+
+@contextmanager
+def locked(folder: str | Path) -> Iterator[None]:
+    """Hold a run's folder against a second run.
+
+    Parameters
+    ----------
+    folder : path
+        Must exist.
+
+    Raises
+    ------
+    CaseError
+        Another process runs in the folder, or it cannot be written to.
+
+    Notes
+    -----
+    The system takes the lock from a process that ends in whatever way: a file left behind by a killed run is taken
+    over. On a file system without locks a second run is not noticed.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> with locked(folder):
+    ...     int((folder / LOCK_NAME).read_text()) == os.getpid()
+    True
+    >>> any(folder.iterdir())
+    False
+    """
+    path = Path(folder) / LOCK_NAME
+    try:
+        handle = _open_locked(path)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise CaseError(
+            str(folder), None, "must be a folder to write to", reason, "Name another with --out."
+        ) from None
+    try:
+        with suppress(OSError):
+            os.ftruncate(handle, 0)
+            os.write(handle, f"{os.getpid()}\n".encode())
+        yield
+    finally:
+        with suppress(OSError):
+            path.unlink()
+        os.close(handle)
+
+
+def _open_locked(path: Path) -> int:
+    """Open and lock the file; the one that is locked is the one that carries the name."""
+    try:
+        import fcntl
+    except ImportError:  # no such locks on this system
+        return os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+    while True:
+        handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if os.path.samestat(os.fstat(handle), path.stat()):
+                return handle
+        except BlockingIOError:
+            holder = os.pread(handle, 32, 0).decode(errors="replace").strip()
+            os.close(handle)
+            raise CaseError(
+                str(path.parent),
+                None,
+                "must be the folder of one run at a time",
+                f"process {holder or 'unknown'} runs in it",
+                "Wait for its end, or name another folder with --out.",
+            ) from None
+        except FileNotFoundError:
+            pass  # the run before removed it between our opening and our lock
+        except OSError:
+            return handle  # a file system without locks
+        os.close(handle)

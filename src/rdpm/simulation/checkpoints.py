@@ -1,0 +1,236 @@
+"""Checkpoints of a run: what is in them, when they are written, and which one is good."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+import rdpm
+from rdpm.coupling.step import System
+from rdpm.errors import CheckpointError
+from rdpm.io.checkpoint import read_checkpoint, read_facts, write_checkpoint
+from rdpm.io.files import reporting
+from rdpm.simulation.guards import check_divergence
+from rdpm.simulation.recorder import Recorder
+from rdpm.simulation.schedule import Every
+from rdpm.simulation.simulation import Simulation
+
+__all__ = ["FOLDER", "Checkpoints", "Saved", "discard_later", "load_newest", "restore"]
+
+FOLDER = "checkpoints"
+
+#: Wall time between two checkpoints, [s].
+WALL_INTERVAL = 300.0
+
+#: A checkpoint that took one second is followed by at least this many without one: at most 2 % of the time.
+COST_RATIO = 50.0
+
+Arrays = Mapping[str, NDArray[Any]]
+
+
+class _Part(Protocol):
+    def state(self) -> dict[str, NDArray[Any]]: ...
+
+    def restore(self, state: Arrays) -> None: ...
+
+
+def _parts(system: System) -> dict[str, _Part]:
+    """What holds state, by name, bodies first."""
+    parts: dict[str, _Part | None] = {
+        "bodies": system.bodies,
+        "contacts": system.contacts,
+        "prescription": system.prescription,
+        "fluid": system.fluid,
+        "markers": system.markers,
+        "motion": system.motion,
+        "mean_flow": system.mean_flow,
+    }
+    return {name: part for name, part in parts.items() if part is not None}
+
+
+@dataclass(frozen=True)
+class Saved:
+    """A checkpoint that was read and found whole.
+
+    Attributes
+    ----------
+    path : Path
+    arrays : mapping of str to ndarray
+        ``part/name``.
+    facts : dict
+    """
+
+    path: Path
+    arrays: Arrays
+    facts: dict[str, Any]
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return float(self.facts["time_s"])
+
+    @property
+    def case(self) -> str:
+        """The case as TOML."""
+        return str(self.facts["case"])
+
+    def part(self, name: str) -> dict[str, NDArray[Any]]:
+        """Arrays of one part."""
+        begin = f"{name}/"
+        return {key.removeprefix(begin): value for key, value in self.arrays.items() if key.startswith(begin)}
+
+
+class Checkpoints:
+    """Writes a run's checkpoints into its folder; the newest are kept.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    recorder : Recorder
+    folder : Path
+        The run's; ``checkpoints`` is made in it.
+    case : str
+        The case as TOML; another one cannot continue from here.
+    every : float, [s]
+        Of simulated time, beside those by wall time; 0: none.
+    kept : int
+        >= 2: the newest may be spoiled by what stopped the machine.
+    """
+
+    def __init__(
+        self, simulation: Simulation, recorder: Recorder, folder: Path, case: str, every: float = 0.0, kept: int = 2
+    ) -> None:
+        self._simulation, self._recorder, self._case, self._kept = simulation, recorder, case, kept
+        self._folder = folder / FOLDER
+        with reporting(self._folder):
+            self._folder.mkdir(exist_ok=True)
+        self._every = Every(every)
+        self._every.is_due(simulation.time)
+        self._due = clock.monotonic() + WALL_INTERVAL
+        self._written = -1
+
+    def step(self, simulation: Simulation) -> None:
+        """Write one that has come due."""
+        if self._every.is_due(simulation.time) or clock.monotonic() >= self._due:
+            self.write()
+
+    def write(self) -> None:
+        """Write one of the step just done, and remove the oldest; nothing where that is there already.
+
+        Raises
+        ------
+        DivergenceError
+            The state is not worth keeping; nothing was written.
+        OutputError
+        """
+        begin = clock.monotonic()
+        simulation = self._simulation
+        system = simulation.system
+        if system.steps == self._written:
+            return
+        check_divergence(system)
+        recorded, record = self._recorder.state()
+        arrays = {"system/held": system.held} | {f"recorder/{name}": value for name, value in recorded.items()}
+        for name, part in _parts(system).items():
+            arrays |= {f"{name}/{key}": value for key, value in part.state().items()}
+        facts = {
+            "rdpm_version": rdpm.__version__,
+            "case": self._case,
+            "time_s": system.time,
+            "steps": system.steps,
+            "dt_s": simulation.dt,
+            "wall_s": simulation.wall_seconds,
+            "parts_s": system.watch.seconds,
+            "max_divergence": simulation.max_divergence,
+            "recorder": record,
+        }
+        write_checkpoint(self._folder / f"step-{system.steps:09d}.checkpoint", arrays, facts)
+        self._written = system.steps
+        for older in _files(self._folder)[: -self._kept]:
+            older.unlink(missing_ok=True)
+        end = clock.monotonic()
+        self._due = end + max(WALL_INTERVAL, COST_RATIO * (end - begin))
+
+
+def restore(simulation: Simulation, saved: Saved, is_same_run: bool = True) -> None:
+    """Change a simulation, made from the same bodies and grid, to the state of a checkpoint.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    saved : Saved
+    is_same_run : bool
+        Continue: also the step length, the number of steps and the wall time. Otherwise they are those of a new run.
+    """
+    system = simulation.system
+    for name, part in _parts(system).items():
+        part.restore(saved.part(name))
+    if system.markers is not None:
+        system.markers.place(system.bodies)
+    system.held = np.array(saved.arrays["system/held"])
+    system.time = saved.time
+    if is_same_run:
+        system.steps, simulation.dt = int(saved.facts["steps"]), float(saved.facts["dt_s"])
+        simulation.wall_seconds = float(saved.facts["wall_s"])
+        simulation.max_divergence = float(saved.facts["max_divergence"])
+        system.watch.seconds.update(saved.facts["parts_s"])
+
+
+def load_newest(folder: Path, tell: Callable[[str], None], at: float | None = None) -> Saved:
+    """Read the newest good checkpoint of a run.
+
+    Parameters
+    ----------
+    folder : Path
+        The run's.
+    tell : callable
+        Gets a sentence about each spoiled one that was passed over.
+    at : float, optional, [s]
+        Not after this time.
+
+    Raises
+    ------
+    CheckpointError
+        There is none, or none is good; the message says which.
+    """
+    found = _files(folder / FOLDER)
+    times: list[float] = []
+    spoiled = 0
+    for path in reversed(found):
+        try:
+            time = float(read_facts(path)["time_s"])
+            # A step ends within round-off of the time asked.
+            if at is not None and time > at * (1.0 + 1e-9):
+                times.append(time)
+                continue
+            return Saved(path, *read_checkpoint(path))
+        except CheckpointError as error:
+            spoiled += 1
+            tell(f"warning: {error} The one before is taken.")
+    if times:
+        listed = ", ".join(f"{time:.6g}" for time in sorted(times))
+        cure = "Ask for one of these times, or set output.checkpoints_kept and output.checkpoint_every in that run."
+        raise CheckpointError(
+            "--at", f"{at:g} s", "must not be before the first good checkpoint kept", f"there are those at {listed} s",
+            cure,
+        )
+    reason = f"all {spoiled} are spoiled" if spoiled else "there is none"
+    raise CheckpointError(str(folder), None, "must hold a good checkpoint", reason, "Start the run anew.")
+
+
+def discard_later(saved: Saved) -> None:
+    """Remove what stands in the way of a run that continues: later files, which are spoiled, and broken-off ones."""
+    for path in saved.path.parent.iterdir():
+        if path.name.startswith(".step-") or (path.suffix == saved.path.suffix and path.name > saved.path.name):
+            path.unlink(missing_ok=True)
+
+
+def _files(folder: Path) -> list[Path]:
+    """Oldest first."""
+    return sorted(folder.glob("step-*.checkpoint"))

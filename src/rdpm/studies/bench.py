@@ -1,0 +1,152 @@
+"""Speed of the full coupled step, in nanoseconds and in bytes of this machine's memory bandwidth."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+
+from rdpm.config.load import load_case
+from rdpm.parallel.bandwidth import triad_bandwidth
+from rdpm.parallel.threads import available_threads
+from rdpm.setup import Simulation
+
+__all__ = ["CASES", "bench", "measure"]
+
+WARM_UP = 3  # steps: the first allocates and starts Adams-Bashforth
+LEAST_STEPS = 5
+SECONDS = 3.0  # of measured steps a case
+
+
+def _tank(cells: tuple[int, int, int], diffusion: str, per_diameter: float = 16.0) -> dict[str, Any]:
+    """One sphere of ten Cate's E3 in a closed box of so many cells."""
+    h = 0.015 / per_diameter
+    size = [n * h for n in cells]
+    viscosity = 0.113 if diffusion == "explicit" else 0.373
+    return {
+        "title": "one sphere in a closed box",
+        "domain": {"size": size},
+        "fluid": {"density": 962.0, "viscosity": viscosity},
+        "bodies": [{"diameter": 0.015, "density": 1120.0, "centers": [[0.5 * size[0], 0.5 * size[1], 0.6 * size[2]]]}],
+        "contact": {"restitution": 0.5, "contact_steps": 8},
+        "resolution": {"cells": list(cells)},
+        "time": {"end": 10.0, "diffusion": diffusion},
+    }
+
+
+def _suspension() -> dict[str, Any]:
+    """200 spheres at 19 % solids, 16 cells a diameter, in a periodic box."""
+    d = 0.015
+    length = (200 * np.pi / 6.0 * d**3 / 0.19) ** (1 / 3)
+    cells = 2 * round(0.5 * length / d * 16.0)
+    return {
+        "title": "200 spheres",
+        "domain": {"size": [length] * 3, "boundary": dict.fromkeys("xyz", "periodic")},
+        "fluid": {"density": 962.0, "viscosity": 0.113},
+        "bodies": [{"diameter": d, "density": 1120.0, "packing": {"count": 200, "seed": 1, "min_gap": 1e-4}}],
+        "contact": {"restitution": 0.5, "contact_steps": 8, "friction": 0.1},
+        "resolution": {"cells": [cells] * 3},
+        "time": {"end": 10.0, "diffusion": "explicit"},
+    }
+
+
+#: Name -> (case, threads or 0 for all).
+CASES: dict[str, tuple[Callable[[], dict[str, Any]], int]] = {
+    "sphere-explicit": (lambda: _tank((112, 112, 176), "explicit"), 0),
+    "sphere-stabilised": (lambda: _tank((112, 112, 176), "stabilised"), 0),
+    "sphere-explicit-1": (lambda: _tank((112, 112, 176), "explicit"), 1),
+    "cube-64-1": (lambda: _tank((64, 64, 64), "explicit", 8.0), 1),
+    "cube-64": (lambda: _tank((64, 64, 64), "explicit", 8.0), 0),
+    "cube-128": (lambda: _tank((128, 128, 128), "explicit"), 0),
+    "cube-256": (lambda: _tank((256, 256, 256), "explicit"), 0),
+    "suspension-200": (_suspension, 0),
+}
+
+
+def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
+    """Time the steps of one case.
+
+    Parameters
+    ----------
+    name : str
+        A key of `CASES`.
+    bandwidth : float, optional, [bytes/s]
+        Of the triad with the same number of threads; measured when left out.
+
+    Returns
+    -------
+    dict
+        ``name, cells, threads, diffusion, bodies, steps, ns_per_cell_step, bytes_per_cell_step, memory_bytes_per_cell,
+        parts`` (share of the time by part [ns a cell and step]) and, with bodies, ``us_per_marker_step``.
+        The median step counts.
+    """
+    make, asked = CASES[name]
+    threads = asked or available_threads()
+    simulation = Simulation(load_case(make()), threads)
+    for _ in range(WARM_UP):
+        simulation.advance()
+    watch = simulation.system.watch
+    for part in watch.seconds:
+        watch.seconds[part] = 0.0
+    seconds: list[float] = []
+    while len(seconds) < LEAST_STEPS or sum(seconds) < SECONDS:
+        begin = time.perf_counter()
+        simulation.advance()
+        seconds.append(time.perf_counter() - begin)
+    fluid, markers = simulation.fluid, simulation.system.markers
+    assert fluid is not None
+    cells = int(np.prod(fluid.grid.cells))
+    median = float(np.median(seconds))
+    bandwidth = bandwidth or triad_bandwidth(threads)
+    steps = len(seconds)
+    result: dict[str, Any] = {
+        "name": name,
+        "cells": list(fluid.grid.cells),
+        "threads": threads,
+        "diffusion": "explicit" if fluid.is_explicit else "stabilised",
+        "stages": simulation.plan.step.stages,
+        "bodies": len(simulation.bodies),
+        "steps": steps,
+        "ns_per_cell_step": 1e9 * median / cells,
+        "bytes_per_cell_step": median / cells * bandwidth,
+        "memory_bytes_per_cell": fluid.bytes / cells,
+        "parts": {part: 1e9 * total / steps / cells for part, total in watch.seconds.items()},
+    }
+    if markers is not None and len(markers):
+        result["us_per_marker_step"] = 1e6 * watch.seconds["bodies"] / steps / len(markers)
+    return result
+
+
+def bench(names: Iterable[str] = (), progress: Callable[[str], None] | None = None) -> dict[str, Any]:
+    """Measure cases and the triad in one run.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Keys of `CASES`; all when empty.
+    progress : callable, optional
+        Gets a line before each.
+
+    Returns
+    -------
+    dict
+        ``triad_GB_s``, ``threads``, ``cases``.
+    """
+    tell = progress or (lambda text: None)
+    tell("memory bandwidth")
+    bandwidth: dict[int, float] = {}
+    threads = available_threads()
+    for n in sorted({1, threads}):
+        bandwidth[n] = triad_bandwidth(n)
+    cases = []
+    for name in names or CASES:
+        tell(name)
+        cases.append(measure(name, bandwidth[CASES[name][1] or threads]))
+    return {
+        "triad_GB_s": 1e-9 * bandwidth[threads],
+        "triad_one_thread_GB_s": 1e-9 * bandwidth[1],
+        "threads": threads,
+        "cases": cases,
+    }

@@ -1,0 +1,69 @@
+"""N steps are N/2 steps, a restart, and N/2 steps, to the last bit."""
+
+import numpy as np
+import pytest
+from restart_cases import assert_equal_runs, case_of, run_until, run_whole
+
+from rdpm.contacts.history import PHASE_TOUCHING, STATE_COLUMNS
+from rdpm.io.checkpoint import read_checkpoint
+from rdpm.studies.runner import run_case
+
+
+@pytest.mark.parametrize(
+    ("name", "stop"),
+    [
+        ("wet contact", 20),
+        ("wet contact", 75),
+        ("stabilised diffusion", 12),
+        ("released body", 12),
+        ("released body", 24),
+        ("released body", 37),
+        ("periodic cloud", 25),
+        ("dry heap", 250),
+    ],
+)
+def test_restart_is_bit_identical(name, stop, tmp_path):
+    case = case_of(name)
+    run_whole(case, tmp_path / "whole", threads=1)
+    path = run_until(case, tmp_path / "broken", stop, threads=2)
+    arrays, facts = read_checkpoint(path)
+    assert facts["steps"] == stop + 1
+    if name in ("wet contact", "dry heap"):  # the subject is a contact under way, its spring stretched
+        states = arrays["contacts/history"]
+        assert (states[:, STATE_COLUMNS.index("phase")] == PHASE_TOUCHING).any()
+        assert np.abs(states[:, :3]).max() > 0.0
+    if name == "released body":
+        assert arrays["prescription/held"].size == (1 if stop < 24 else 0)
+    assert run_case(case, tmp_path / "broken", threads=1, resume=True)["status"] == "done"
+    assert_equal_runs(tmp_path / "whole", tmp_path / "broken")
+
+
+def test_restart_after_every_few_steps(tmp_path):
+    case = case_of("wet contact")
+    run_whole(case, tmp_path / "whole")
+    run_until(case, tmp_path / "broken", 6)
+    from restart_cases import StopsAt
+
+    for stop in range(17, 80, 11):
+        run_case(case, tmp_path / "broken", threads=1 + stop % 2, resume=True, reporter=StopsAt(stop))
+    run_case(case, tmp_path / "broken", resume=True)
+    assert_equal_runs(tmp_path / "whole", tmp_path / "broken")
+
+
+def test_a_finished_run_goes_on_to_a_later_end(tmp_path):
+    """What is extended equals a run of the same step that always had that end."""
+    whole = case_of("periodic cloud")
+    run_whole(whole, tmp_path / "whole")
+    run_whole(case_of("periodic cloud", "time.end=0.045"), tmp_path / "extended")
+    summary = run_case(whole, tmp_path / "extended", resume=True)
+    assert (summary["status"], summary["steps"]) == ("done", 50)
+    for name in ("particles.csv", "contacts.csv", "history.csv"):
+        assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "extended" / name).read_bytes()
+
+
+def test_an_automatic_step_stays_when_the_end_moves(tmp_path):
+    first = case_of("periodic cloud", "time={end=0.03}")
+    dt = run_whole(first, tmp_path / "run")["dt_s"]
+    later = case_of("periodic cloud", "time={end=0.04}")
+    for _ in range(2):  # again: the step is then given, and the case asked for still says "auto"
+        assert run_case(later, tmp_path / "run", resume=True)["dt_s"] == dt
