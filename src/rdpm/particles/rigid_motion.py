@@ -38,6 +38,12 @@ INNER_SHARE = 0.45
 #: The same for rotation, where no pressure answers; 0.56 to 0.71 measured.
 INNER_SHARE_SPIN = 0.65
 
+#: Share of the fluid's part in the inertia that contacts and films are resolved with. A stiff film stops the body within
+#: the step; the fluid then gives back velocity and holds the body a step later. That exchange changes sign and grows
+#: where inertia * (2 R_0 - R_1) > 4/3, with R_0 and R_1 the velocity one and some steps after a unit impulse; R_1 is 0.3
+#: to 0.6 of R_0 beside a wall. The whole is too much for light bodies and coarse grids; 0.2 to 0.4 was calm everywhere.
+CONTACT_SHARE = 0.3
+
 Floats = NDArray[np.float64]
 
 _KEPT = ("inner", "missed", "hydrodynamic_force", "hydrodynamic_torque", "given_force")
@@ -81,12 +87,12 @@ class RigidMotion:
 
     @property
     def contact_inertia(self) -> tuple[Floats, Floats]:
-        """Mass and moment (N,), (N,) with which a body answers a contact: its own and the fluid's it takes along.
+        """Mass and moment (N,), (N,) that contacts are resolved with: the body's, and a share of the fluid taken along.
 
         The passes are a geometric series: each takes about half of the slip that is left.
         """
         volume, moment = self.markers.layer_inertia()
-        taken = self.fluid.density * (2.0 - 2.0 * 0.5**self.passes)
+        taken = CONTACT_SHARE * self.fluid.density * (2.0 - 2.0 * 0.5**self.passes)
         return (
             self.bodies.mass + (1.0 - INNER_SHARE) * taken * volume,
             self.bodies.moment_of_inertia + (1.0 - INNER_SHARE_SPIN) * taken * moment,
