@@ -61,7 +61,7 @@ def stages_for(dt: float, spacing: tuple[float, float, float], viscosity: float)
     >>> stages_for(1.0, (1.0, 1.0, 1.0), 0.1)
     2
     >>> stages_for(1.0, (1.0, 1.0, 1.0), 1.0)
-    5
+    6
     """
     euler = 2.0 * explicit_limit(spacing, viscosity)
     needed = 4.0 * dt / euler + 2.0 if math.isfinite(euler) else 0.0
