@@ -40,8 +40,8 @@ INNER_SHARE_SPIN = 0.65
 
 #: Share of the fluid's part in the inertia that contacts and films are resolved with. A stiff film stops the body
 #: within the step; the fluid then gives back velocity and holds the body a step later. That exchange changes sign and
-#: grows where inertia * (2 R_0 - R_1) > 4/3, with R_0 and R_1 the velocity one and some steps after a unit impulse: R_1 is
-#: 0.3 to 0.6 of R_0 beside a wall. The whole is too much for light bodies; 0.2 to 0.4 was calm everywhere.
+#: grows where inertia * (2 R_0 - R_1) > 4/3, with R_0 and R_1 the velocity one and some steps after a unit impulse:
+#: R_1 is 0.3 to 0.6 of R_0 beside a wall. The whole is too much for light bodies; 0.2 to 0.4 was calm everywhere.
 CONTACT_SHARE = 0.3
 
 Floats = NDArray[np.float64]
