@@ -9,6 +9,7 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -69,10 +70,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _call(words)
     except RdpmError as error:
-        print(f"rdpm: {error}", file=sys.stderr)
+        with suppress(OSError):   # the terminal may be gone
+            print(f"rdpm: {error}", file=sys.stderr)
         return error.exit_code
     except KeyboardInterrupt:
-        print("rdpm: interrupted", file=sys.stderr)
+        with suppress(OSError):
+            print("rdpm: interrupted", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output has left; so do we, without a word
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -116,8 +116,9 @@ def _system(made: Plan, threads: int) -> System:
 def _contacts(made: Plan, bodies: Bodies, box: Box, film: Lubrication | None) -> Contacts:
     contact, fluid = made.case.contact, made.case.fluid
     more: dict[str, Any] = {"viscosity": fluid.mu} if fluid else {}
-    if contact.substeps is not None and contact.contact_steps:
-        more["substeps_per_contact"] = max(10, math.ceil(contact.substeps * contact.contact_steps))
+    times = [pair.design.contact_time_s for pair in made.pairs if pair.design.contact_time_s is not None]
+    if contact.substeps is not None and times:
+        more["substeps_per_contact"] = max(10, math.ceil(contact.substeps * min(times) / made.step.dt))
     return Contacts(bodies, box, made.law, film, overlap_limit=contact.overlap_limit, **more)
 
 
