@@ -227,7 +227,7 @@ class _Canvas:
         return np.asarray(self.colours[level[::-1]])
 
     def draw_spheres(self, picture: Pixels, centres: Floats, turned: Floats) -> None:
-        """Draw the spheres, far ones first; those that the plane does not cut are faded in a crowd, left out in a mass."""
+        """Draw the spheres, far ones first; those the plane does not cut are faded in a crowd, left out in a mass."""
         film, plane = self.film, self.film.plane
         across, up = np.eye(3)[plane.across], np.eye(3)[plane.up]
         view = np.stack([across, up, np.cross(across, up)])   # box axes to right, up, towards the viewer
