@@ -77,6 +77,7 @@ def test_a_collision_in_fluid_never_gains_energy(kind, ratio, ending, lubricatio
         assert len(account.episodes) == 1  # they do touch, and part; the light one stops short of the floor
     for episode in account.episodes:
         assert episode["rebound_speed_m_s"] <= episode["impact_speed_m_s"]
+        assert episode["work_J"] <= 0.0
     if len(touching):
         before, after = account.energy[touching[0]], account.energy[touching[-1] + 1]
         assert after <= before

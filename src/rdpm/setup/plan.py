@@ -197,8 +197,9 @@ def _time_step(case: Case, spacing: tuple[float, ...] | None, found: Scales) -> 
         return Choice(dt, choice.limit, choice.is_explicit, choice.stages, choice.limits)
     literal = case.contact.stiffness is not None or case.contact.max_overlap is not None
     dt, limit = (contact, "contact") if literal and float(asked) > contact else (float(asked), "user")
-    limits = {"user": dt}  # a given step may cross more of a cell than an automatic one
+    # A step that is asked for may use the whole cell that time.cfl keeps a share of.
     hardest = advective_limit(h, found.speed, 1.0)
+    limits = {"user": dt, "advective": hardest}
     if dt > hardest * (1.0 + 1e-9):
         raise CaseError(
             "time.step",
@@ -216,7 +217,7 @@ def _time_step(case: Case, spacing: tuple[float, ...] | None, found: Scales) -> 
             f"{dt:g} s",
             f"must be at most {choice.dt:.3g} s",
             f"the limit of {'explicit' if choice.is_explicit else 'stabilised'} diffusion on this grid",
-            'Lower it, or leave time.diffusion = "auto".',
+            'Lower it, or set time.diffusion = "auto".' if case.time.diffusion == "explicit" else "Lower it.",
         )
     return Choice(dt, limit, choice.is_explicit, choice.stages, choice.limits)
 
