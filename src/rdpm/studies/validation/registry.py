@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import Any
 
+from rdpm.studies.validation.basset import basset
 from rdpm.studies.validation.result import Chart, Found, Row, Tell
+from rdpm.studies.validation.rotation import rotation
 from rdpm.studies.validation.simple_cubic import simple_cubic
 from rdpm.studies.validation.ten_cate import E1, E3, ten_cate
 
@@ -18,6 +20,8 @@ CASES: dict[str, tuple[Callable[[bool, Tell], Found], bool]] = {
     "simple-cubic": (simple_cubic, True),
     "ten-cate-e3": (partial(ten_cate, E3), True),
     "ten-cate-e1": (partial(ten_cate, E1), False),
+    "basset": (basset, True),
+    "rotation": (rotation, True),
 }
 
 

@@ -33,14 +33,13 @@ FINE_BAND = 0.015
 #: Viscous numbers nu dt / h^2 of a step.
 STEP = 0.6
 
-#: Steps between two samples of the mean velocity, and their relative change at which it is taken as steady. Markers
-#: closer than the delta resolves settle their forces among themselves for long; U drifts by 0.3 % at most beyond this.
-SAMPLE, SETTLED = 20, 5e-5
+#: Steps between two samples of the mean velocity, and their relative change at which it is steady. Markers closer
+#: than the delta resolves settle their forces among themselves for long: where the most steps do not suffice, the
+#: mean still drifts by some 1e-3 in as many again.
+SAMPLE, SETTLED, MOST_STEPS = 20, 1e-5, 4000
 
 #: Of a sphere from a corner of a cell [cells]; its neighbours are at this and 0.5 more, which mirrors to 0.375.
 OFFSET = 0.125
-
-MOST_STEPS = 3000
 
 
 def drag_factor(solid_fraction: float, cells: int) -> float:
@@ -59,7 +58,7 @@ def drag_factor(solid_fraction: float, cells: int) -> float:
         From the mean velocity of the steady flow.
     """
     d, h, drive = float((6.0 * solid_fraction / np.pi) ** (1 / 3)), 2.0 / cells, 0.01
-    guess = float(np.interp(solid_fraction, list(ARRAYS), [K for K, _, _ in ARRAYS.values()]))
+    guess = 0.9 * float(np.interp(solid_fraction, list(ARRAYS), [K for K, _, _ in ARRAYS.values()]))
     unit = drive / (3.0 * np.pi * d)  # mean velocity at K = 1
     centers = [[n + 0.5 + OFFSET * h for n in corner] for corner in itertools.product((0, 1), repeat=3)]
     case = {
