@@ -8,6 +8,8 @@ from functools import partial
 from typing import Any
 
 from rdpm.studies.validation.basset import basset
+from rdpm.studies.validation.mordant_pinton import mordant_pinton
+from rdpm.studies.validation.near_contact import near_contact
 from rdpm.studies.validation.result import Chart, Found, Row, Tell
 from rdpm.studies.validation.rotation import rotation
 from rdpm.studies.validation.simple_cubic import simple_cubic
@@ -22,6 +24,8 @@ CASES: dict[str, tuple[Callable[[bool, Tell], Found], bool]] = {
     "ten-cate-e1": (partial(ten_cate, E1), False),
     "basset": (basset, True),
     "rotation": (rotation, True),
+    "mordant-pinton": (mordant_pinton, False),
+    "near-contact": (near_contact, True),
 }
 
 
