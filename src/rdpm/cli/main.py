@@ -17,7 +17,7 @@ from rdpm.errors import RdpmError
 
 __all__ = ["app", "main"]
 
-VERBS = ("new", "check", "run", "design", "report", "bench", "info")  # rdpm.cli.VERB has a function VERB
+VERBS = ("new", "check", "run", "design", "report", "validate", "bench", "info")  # rdpm.cli.VERB has a function VERB
 
 USAGE, STOPPED, INTERNAL, INTERRUPTED = 2, 3, 1, 130
 
