@@ -79,7 +79,8 @@ def _image_speed(density_ratio: float, tau: Floats, box: float) -> Floats:
     lattice = np.where(near, 0.0, (1.0 + 2.0 * wave) ** 3 - box**3 / (4.0 * np.pi * middle) ** 1.5) - 1.0
     green = 6.0 * np.pi * 2.0 / 3.0 / box**3 * lattice
     added = np.convolve(force, green)[: t.size] * dt
-    return np.interp(tau, t, added)
+    at: Floats = np.interp(tau, t, added)
+    return at
 
 
 def _release(density_ratio: float, steps: int) -> tuple[Floats, Floats]:
@@ -104,7 +105,8 @@ def _release(density_ratio: float, steps: int) -> tuple[Floats, Floats]:
     for _ in range(steps):
         simulation.advance()
         speed.append(-simulation.bodies.velocity[0, 2] / stokes)
-    return 4.0 * simulation.dt * np.arange(1, steps + 1), np.array(speed)
+    tau: Floats = 4.0 * simulation.dt * np.arange(1.0, steps + 1.0)
+    return tau, np.array(speed)
 
 
 def basset(quick: bool, tell: Tell) -> Found:

@@ -11,9 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from rdpm.config.load import load_case
-from rdpm.contacts import Lubrication
 from rdpm.setup import Simulation
-from rdpm.setup.build import LUBRICATION_REACH
+from rdpm.setup.build import film_model
 from rdpm.studies.validation.points import points
 from rdpm.studies.validation.result import Chart, Curve, Found, Row, Tell
 
@@ -56,7 +55,9 @@ def resolved_resistance(pair: str, across: int, gaps: tuple[float, ...], offset:
 
     def heights(gap: float) -> list[float]:
         # two spheres: half of the gap is between cells, so that neither sits like the other on the grid
-        return [0.5 + 0.5 * gap] if is_wall else [0.5 * size[2] + s * (0.5 + 0.25 * gap) + 0.2 / across for s in (1, -1)]
+        if is_wall:
+            return [0.5 + 0.5 * gap]
+        return [0.5 * size[2] + side * (0.5 + 0.25 * gap) + 0.2 / across for side in (1, -1)]
 
     bodies = [
         {
@@ -88,9 +89,9 @@ def resolved_resistance(pair: str, across: int, gaps: tuple[float, ...], offset:
     return found
 
 
-def film(pair: str, across: float, gaps: tuple[float, ...], reach: float = LUBRICATION_REACH) -> np.ndarray:
-    """Resistance the film model adds, over 6 pi mu a, with a cut-off at so many cells."""
-    model = Lubrication(viscosity=1.0, cutoff_gap=reach / across)
+def film(pair: str, across: float, gaps: tuple[float, ...]) -> np.ndarray:
+    """Resistance the film model adds, over 6 pi mu a."""
+    model = film_model(1.0, 1.0 / across)
     radius_j = np.inf if pair == "wall" else 0.5
     per_closing = model.resistance(0.5 * np.array(gaps), 0.5, radius_j) / (3.0 * np.pi)
     # two spheres close at twice the speed of each
@@ -131,7 +132,7 @@ def near_contact(quick: bool, tell: Tell) -> Found:
             "Approach to a wall" if pair == "wall" else "Approach of two spheres",
             "gap / radius",
             "force / (6 pi mu a U)",
-            f"Stokes flow; the film enters below {LUBRICATION_REACH:g} cell(s)",
+            "Stokes flow; box of 5 diameters, periodic along the wall",
             curves,
             log_x=True,
             log_y=True,

@@ -33,9 +33,9 @@ FINE_BAND = 0.015
 #: Viscous numbers nu dt / h^2 of a step.
 STEP = 0.6
 
-#: Steps over which the mean velocity must not change by more to be steady. Markers closer than the delta resolves settle
-#: their forces among themselves for long: where the most steps do not suffice, the mean still drifts by some 1e-3 in
-#: as many again.
+#: Steps over which the mean velocity must not change by more to be steady. Markers closer than the delta resolves
+#: settle their forces among themselves for long: where the most steps do not suffice, the mean still drifts by some
+#: 1e-3 in as many again.
 SAMPLE, SETTLED, MOST_STEPS = 400, 2e-4, 4000
 
 #: Of a sphere from a corner of a cell [cells]; its neighbours are at this and 0.5 more, which mirrors to 0.375.
