@@ -5,7 +5,7 @@ import nox
 nox.options.default_venv_backend = "venv"
 nox.options.sessions = ["lint", "tests"]
 
-SOURCES = ("src", "tests", "noxfile.py")
+SOURCES = ("src", "tests", "benchmarks", "docs", "noxfile.py", ".ci")
 
 
 @nox.session

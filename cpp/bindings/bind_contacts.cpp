@@ -133,11 +133,11 @@ void end_step(const Reals& box, const Array<double>& position, const Array<doubl
 }
 
 void lubrication_resistance(const Reals& gap, double inverse, double log, double gap_floor, double gap_cut,
-                            const Array<double>& resistance) {
+                            double gap_touching, const Array<double>& resistance) {
     const std::int64_t n = rows(gap);
     const double* g = checked(gap, "gap", {n});
     double* out = checked(resistance, "resistance", {n});
-    const contacts::Film film{inverse, log, gap_floor, gap_cut};
+    const contacts::Film film{inverse, log, gap_floor, gap_cut, gap_touching};
     for (std::int64_t k = 0; k < n; ++k) out[k] = film.resistance(g[k]);
 }
 
@@ -166,5 +166,6 @@ void bind_contacts(nb::module_& module) {
                nb::arg("turn").noconvert(), nb::arg("force"), nb::arg("torque"), nb::arg("inverse_mass"),
                nb::arg("inverse_moment"), nb::arg("is_active"), nb::arg("dt"));
     module.def("lubrication_resistance", &lubrication_resistance, nb::arg("gap"), nb::arg("inverse"),
-               nb::arg("log"), nb::arg("gap_floor"), nb::arg("gap_cut"), nb::arg("resistance").noconvert());
+               nb::arg("log"), nb::arg("gap_floor"), nb::arg("gap_cut"), nb::arg("gap_touching"),
+               nb::arg("resistance").noconvert());
 }

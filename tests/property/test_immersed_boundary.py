@@ -27,7 +27,7 @@ def points_in(grid: Grid, rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def markers_at(grid: Grid, position: np.ndarray) -> _core.Markers:
-    markers = _core.Markers()
+    markers = _core.Markers(grid.core, np.array([0, len(position)], np.int32))
     markers.place(grid.core, position)
     return markers
 

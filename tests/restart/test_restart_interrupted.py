@@ -90,7 +90,8 @@ def test_killed_at_many_random_moments(long_case):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_leaves_a_checkpoint_and_130(number, long_case):
-    with command(long_case, "cloud.toml", "--out", "run") as running:
+    endless = "time.end=60"   # no machine is done before the signal comes
+    with command(long_case, "cloud.toml", "--out", "run", "--set", endless) as running:
         wait_for_step(long_case / "run", 20, running)
         running.send_signal(number)
         _, said = running.communicate(timeout=60)

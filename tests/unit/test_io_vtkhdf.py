@@ -88,6 +88,19 @@ def test_continued_fields_drop_later_steps(fields):
     assert np.array_equal(read_fields(fields, 2)[1], made_fields(7)[0])
 
 
+def test_a_step_broken_off_on_the_way_is_not_counted(tmp_path):
+    import h5py
+
+    path = tmp_path / "fields.vtkhdf"
+    FieldWriter(path, (4, 3, 2), (1.0, 1.0, 1.0)).write(0.0, np.ones((2, 3, 4, 3)), np.zeros((2, 3, 4)))
+    with h5py.File(path, "r+") as file:   # rows made, not filled, not counted: what a kill leaves
+        for name in ("CellData/velocity", "CellData/pressure", "Steps/Values"):
+            file["VTKHDF"][name].resize(2, axis=0)
+    assert field_times(path).tolist() == [0.0]
+    FieldWriter(path, (4, 3, 2), (1.0, 1.0, 1.0), keep_until=0.5).write(1.0, np.ones((2, 3, 4, 3)), np.zeros((2, 3, 4)))
+    assert field_times(path).tolist() == [0.0, 1.0]
+
+
 def test_wrong_shape_and_lost_folder(tmp_path):
     writer = FieldWriter(tmp_path / "fields.vtkhdf", CELLS, SPACING)
     with pytest.raises(ValueError, match="must be"):

@@ -318,7 +318,7 @@ DRY = {
         ),
         (
             "bodies[0].motion={velocity=[0,0,1], until={gap=1}}",
-            "bodies[0].motion.until: must be a time in a box",
+            "bodies[0].motion.until: must be a time for a lone body",
         ),
     ],
 )

@@ -9,6 +9,7 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from rdpm.errors import RdpmError
 
 __all__ = ["app", "main"]
 
-VERBS = ("new", "check", "run", "design", "report", "bench", "info")  # rdpm.cli.VERB has a function VERB
+VERBS = ("new", "check", "run", "design", "report", "validate", "bench", "info")  # rdpm.cli.VERB has a function VERB
 
 USAGE, STOPPED, INTERNAL, INTERRUPTED = 2, 3, 1, 130
 
@@ -69,10 +70,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _call(words)
     except RdpmError as error:
-        print(f"rdpm: {error}", file=sys.stderr)
+        with suppress(OSError):   # the terminal may be gone
+            print(f"rdpm: {error}", file=sys.stderr)
         return error.exit_code
     except KeyboardInterrupt:
-        print("rdpm: interrupted", file=sys.stderr)
+        with suppress(OSError):
+            print("rdpm: interrupted", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output has left; so do we, without a word
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

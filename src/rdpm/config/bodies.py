@@ -63,12 +63,12 @@ class VectorTable(Model):
 
 
 class Gap(Model):
-    """A distance to the nearest wall.
+    """A distance to the nearest wall or other body.
 
     Attributes
     ----------
     gap : float, [m]
-        Between the body's surface and the wall, > 0.
+        Between the surfaces, > 0.
     """
 
     gap: Annotated[float, number("m", above=0.0)]
@@ -116,7 +116,7 @@ class Motion(Model):
     velocity, rotation : tuple of 3 floats or VectorTable, [m/s], [rad/s]
         The centre's velocity and the angular velocity; zero when left out.
     until : float or Gap, [s] or [m], optional
-        The time, or the gap to the nearest wall, at which the body is released; never when left out.
+        The time, or the gap to the nearest wall or body, at which the body is released; never when left out.
     """
 
     velocity: Annotated[Vector | VectorTable, _course("m/s")] = (0.0, 0.0, 0.0)

@@ -152,10 +152,10 @@ class Case(Model):
     def _check_releases(self) -> None:
         for i, group in enumerate(self.bodies):
             by_gap = isinstance(group.motion, Motion) and isinstance(group.motion.until, Gap)
-            if by_gap and "wall" not in self.domain.kinds:
+            if by_gap and "wall" not in self.domain.kinds and len(self.expanded_bodies()) < 2:
                 raise RuleError(
-                    "must be a time in a box without walls",
-                    "a gap is measured to the nearest wall",
+                    "must be a time for a lone body in a box without walls",
+                    "a gap is measured to the nearest wall or body",
                     at=("bodies", i, "motion", "until"),
                 )
 

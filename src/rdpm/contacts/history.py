@@ -12,7 +12,7 @@ Floats = NDArray[np.float64]
 # The kernels' structs (pair.hpp), a column a member.
 LAW_COLUMNS = (
     "k_n", "eta_n", "k_t", "eta_t", "mu",
-    "lub_inverse", "lub_log", "gap_floor", "gap_cut",
+    "lub_inverse", "lub_log", "gap_floor", "gap_cut", "gap_touching",
 )  # fmt: skip
 STATE_COLUMNS = (
     "xi_x", "xi_y", "xi_z", "phase", "start", "end", "impact_speed", "rebound_speed",

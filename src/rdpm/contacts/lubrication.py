@@ -17,22 +17,28 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Lubrication:
-    r"""Resistance :math:`\lambda(g)-\lambda(g_{cut})` to the normal velocity, zero beyond the cut-off.
+    r"""Resistance :math:`\lambda(g)-\lambda(g_{seen})` to the normal velocity, zero beyond the cut-off.
 
     :math:`\lambda = 6\pi\mu\,[a_r^2/g + a_i\,g_2(\beta)\ln(1/g)]` with :math:`a_r=a_ia_j/(a_i+a_j)`,
     :math:`\beta=a_j/a_i` and :math:`g_2=\beta(1+7\beta+\beta^2)/(5(1+\beta)^3)`; a wall is
-    :math:`\beta\to\infty`. It is held below the roughness and zero in overlap, where the solids carry
-    the load: the overlap of a softened contact is no film. Tangential and rotational films, logarithmic only,
-    are left out.
+    :math:`\beta\to\infty`. The grid resolves the film of surfaces a little further apart,
+    :math:`g_{seen}=g_0+g(1-g_0/g_{cut})`: touching surfaces it sees :math:`g_0` apart. The film is held below the
+    roughness and zero in overlap, where the solids carry the load: the overlap of a softened contact is no film.
+    Tangential and rotational films, logarithmic only, are left out.
 
     Parameters
     ----------
     viscosity : float, [Pa s]
         Dynamic viscosity of the fluid. > 0.
     cutoff_gap : float, [m]
-        Gap from which on the grid resolves the film: a number of cells times the mean spacing. > 0.
+        Gap to a wall from which on the grid resolves the film: a number of cells times the mean spacing. > 0.
     roughness : float, [-]
         Smallest gap as a fraction of the smaller radius, 0 < roughness <= 0.1.
+    touching_gap : float, optional, [m]
+        Gap at which the grid sees a body that touches a wall, :math:`g_0`, 0 < value <= cutoff_gap; cutoff_gap when
+        left out: below the cut-off the grid then resolves no more than at it.
+    pair_cutoff_gap, pair_touching_gap : float, optional, [m]
+        The same between two bodies; those of a wall when left out.
 
     Raises
     ------
@@ -56,6 +62,9 @@ class Lubrication:
     viscosity: float
     cutoff_gap: float
     roughness: float = 1e-3
+    touching_gap: float | None = None
+    pair_cutoff_gap: float | None = None
+    pair_touching_gap: float | None = None
 
     def __post_init__(self) -> None:
         for name, upper in (("viscosity", np.inf), ("cutoff_gap", np.inf), ("roughness", 0.1)):
@@ -64,6 +73,30 @@ class Lubrication:
                 bound = f" and at most {upper:g}" if upper < np.inf else ""
                 rule = "must be a finite number above 0" + bound
                 raise CaseError(f"lubrication.{name}", value, rule, cure="Correct this value.")
+
+        for name, cut in (("touching_gap", self.cutoff_gap), ("pair_touching_gap", self._pair[0])):
+            value = getattr(self, name)
+            if value is not None and not 0.0 < value <= cut:
+                raise CaseError(f"lubrication.{name}", value, f"must be above 0 and at most the cut-off, {cut:g} m")
+
+    @property
+    def _wall(self) -> tuple[float, float]:
+        return self.cutoff_gap, self.touching_gap or self.cutoff_gap
+
+    @property
+    def _pair(self) -> tuple[float, float]:
+        cut = self.pair_cutoff_gap or self.cutoff_gap
+        return cut, self.pair_touching_gap or min(self._wall[1], cut)
+
+    @property
+    def largest_gap(self) -> float:
+        """Gap beyond which no film acts [m]."""
+        return max(self.cutoff_gap, self._pair[0])
+
+    def reach(self, is_wall: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+        """Cut-off gap and the gap at which the grid sees touching surfaces, of each pair, (M,), (M,) [m]."""
+        cut, touching = (np.where(is_wall, *both) for both in zip(self._wall, self._pair, strict=True))
+        return cut, touching
 
     def coefficients(self, radius_i: Floats, radius_j: Floats) -> tuple[Floats, Floats, Floats]:
         """Coefficients of 1/gap and ln(1/gap), and the smallest gap, of each pair.
@@ -103,5 +136,6 @@ class Lubrication:
         inverse, log, floor = self.coefficients(np.array([radius_i]), np.array([radius_j]))
         gap = np.ascontiguousarray(gap, dtype=np.float64)
         result = np.empty_like(gap)
-        _core.lubrication_resistance(gap, inverse[0], log[0], floor[0], self.cutoff_gap, result)
+        reach = self._wall if np.isinf(radius_j) else self._pair
+        _core.lubrication_resistance(gap, inverse[0], log[0], floor[0], *reach, result)
         return result

@@ -163,7 +163,7 @@ class Contacts:
         free = b.is_free
         inverse_mass = free / (b.mass if inertia is None else inertia)
         inverse_moment = free / (b.moment_of_inertia if moment is None else moment)
-        film = self.lubrication.cutoff_gap if self.lubrication else 0.0
+        film = self.lubrication.largest_gap if self.lubrication else 0.0
         margin = film + 2.0 * self._history.largest_overlap  # a spring under load may throw its bodies apart
         pairs = self._neighbours.pairs(force, inverse_mass, dt, margin)
         step = ContactStep(*np.zeros((3, n, 3)))
@@ -245,7 +245,7 @@ class Contacts:
             radius = self._neighbours.radius
             films = self.lubrication.coefficients(radius[i], np.where(wall, inf, radius[other]))
             laws[:, 5:8] = np.transpose(films)
-            laws[:, 8] = self.lubrication.cutoff_gap
+            laws[:, 8:10] = np.transpose(self.lubrication.reach(wall))
         laws[wall & self.box.is_slip_side[np.where(wall, -1 - j, 0)], 2:] = 0.0
 
     def _record(self, pairs: NDArray[np.int32], states: Floats, dt: float) -> None:

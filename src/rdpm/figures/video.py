@@ -21,6 +21,7 @@ __all__ = ["Film", "make_video", "orientations"]
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 _HIGHEST, _WIDEST, _NARROWEST = 880, 880, 400   # pixels of the picture of the box
+_MANY = 300   # bodies above which only those that the plane cuts are drawn
 _BAR = 46    # pixels below the box for the colour scale
 _LINE = 19   # pixels a line of text
 _FEW = 8     # bodies drawn each in its colour and never faded
@@ -226,7 +227,7 @@ class _Canvas:
         return np.asarray(self.colours[level[::-1]])
 
     def draw_spheres(self, picture: Pixels, centres: Floats, turned: Floats) -> None:
-        """Draw the spheres, far ones first; those that the plane does not cut are faded in a crowd."""
+        """Draw the spheres, far ones first; those the plane does not cut are faded in a crowd, left out in a mass."""
         film, plane = self.film, self.film.plane
         across, up = np.eye(3)[plane.across], np.eye(3)[plane.up]
         view = np.stack([across, up, np.cross(across, up)])   # box axes to right, up, towards the viewer
@@ -236,7 +237,10 @@ class _Canvas:
         near = depth * view[2, plane.normal]
         axis = [plane.across, plane.up]
         for copy in periodic_copies(centres[:, axis], film.period[axis]):
-            for n in np.argsort(near):
+            order = np.argsort(near)
+            if len(near) > _MANY:   # the rest would hide the plane, and take minutes to draw
+                order = order[np.abs(depth[order]) <= 0.5 * np.asarray(film.diameter)[order]]
+            for n in order:
                 faded = len(near) > _FEW and abs(depth[n]) > 0.5 * film.diameter[n]
                 radius = 0.5 * self.scale * film.diameter[n]
                 self._draw_sphere(picture, self.scale * copy[n], radius, view @ turned[n], n, faded)

@@ -42,6 +42,12 @@ def _append(dataset: h5py.Dataset, rows: NDArray[Any]) -> None:
     dataset[count:] = rows
 
 
+def _steps_until(steps: h5py.Group, time: float) -> int:
+    """Whole steps not after a time: a writer killed on the way leaves rows that NSteps does not count yet."""
+    whole = steps["Values"][: int(steps.attrs["NSteps"])]
+    return int(np.searchsorted(whole, time, side="right"))
+
+
 class FieldWriter:
     """Velocity and pressure of the cells, one time step after the other (VTKHDF ImageData).
 
@@ -113,7 +119,7 @@ class FieldWriter:
 
     def _rewind(self, time: float) -> None:
         with appending(self.path) as root:
-            count = int(np.searchsorted(root["Steps/Values"][:], time, side="right"))
+            count = _steps_until(root["Steps"], time)
             for name in ("CellData/velocity", "CellData/pressure", "Steps/Values"):
                 root[name].resize(count, axis=0)
             for name in ("velocity", "pressure"):
@@ -167,7 +173,7 @@ def _reading(path: str | Path) -> Iterator[h5py.Group]:
 def field_times(path: str | Path) -> Floats:
     """Times of the stored steps: (steps,), [s]; `CaseError` when there is no such file."""
     with _reading(path) as root:
-        return np.asarray(root["Steps/Values"][:], np.float64)
+        return np.asarray(root["Steps/Values"][: int(root["Steps"].attrs["NSteps"])], np.float64)
 
 
 def field_grid(path: str | Path) -> tuple[tuple[int, int, int], tuple[float, float, float]]:
@@ -297,7 +303,7 @@ class BodyWriter:
 
     def _rewind(self, root: h5py.Group, time: float) -> None:
         steps, each = root["Steps"], int(root["NumberOfPoints"][0])
-        count = int(np.searchsorted(steps["Values"][:], time, side="right"))
+        count = _steps_until(steps, time)
         for name in self._EACH_STEP:
             steps[name].resize(count, axis=0)
         for dataset in steps["PointDataOffsets"].values():

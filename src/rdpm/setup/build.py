@@ -22,13 +22,15 @@ from rdpm.particles.state import Bodies
 from rdpm.setup.plan import Plan, plan
 from rdpm.simulation import simulation
 
-__all__ = ["FORCING_PASSES", "LUBRICATION_REACH", "Simulation"]
+__all__ = ["FORCING_PASSES", "PAIR_FILM", "WALL_FILM", "Simulation", "film_model"]
 
 #: Forcing passes a step: the third still halves the slip, a fourth changes no settling speed by 0.1 %.
 FORCING_PASSES = 3
 
-#: Gap, in cells, below which the grid no longer resolves the squeeze film and the correction enters.
-LUBRICATION_REACH = 1.0
+#: Gaps [cells] below which the film model enters, and at which the grid sees touching surfaces: read off the resolved
+#: resistance in Stokes flow, of a sphere against a wall and of two, which is the same function of gap over cell from
+#: 8 to 16 cells a diameter (docs/validation.md).
+WALL_FILM, PAIR_FILM = (2.0, 0.25), (0.5, 0.13)
 
 
 class Simulation(simulation.Simulation):
@@ -89,11 +91,7 @@ def _system(made: Plan, threads: int) -> System:
     flow.set_velocity(*fluid.initial_velocity)
     film = None
     if case.contact.lubrication and len(bodies):
-        film = Lubrication(
-            viscosity=fluid.mu,
-            cutoff_gap=LUBRICATION_REACH * float(np.cbrt(np.prod(grid.spacing))),
-            roughness=case.contact.lubrication_roughness,
-        )
+        film = film_model(fluid.mu, float(np.cbrt(np.prod(grid.spacing))), case.contact.lubrication_roughness)
     contacts = _contacts(made, bodies, box, film)
     markers = motion = None
     held = np.zeros((len(bodies), 6))
@@ -113,11 +111,27 @@ def _system(made: Plan, threads: int) -> System:
     return System(bodies, contacts, prescription, held, flow, markers, motion, mean_flow)
 
 
+def film_model(viscosity: float, h: float, roughness: float = 1e-3) -> Lubrication:
+    """What the grid misses of squeeze films.
+
+    Parameters
+    ----------
+    viscosity : float, [Pa s]
+    h : float, [m]
+        Mean spacing of the grid.
+    roughness : float, [-]
+        Smallest gap over the smaller radius.
+    """
+    wall, pair = ([n * h for n in film] for film in (WALL_FILM, PAIR_FILM))
+    return Lubrication(viscosity, wall[0], roughness, wall[1], *pair)
+
+
 def _contacts(made: Plan, bodies: Bodies, box: Box, film: Lubrication | None) -> Contacts:
     contact, fluid = made.case.contact, made.case.fluid
     more: dict[str, Any] = {"viscosity": fluid.mu} if fluid else {}
-    if contact.substeps is not None and contact.contact_steps:
-        more["substeps_per_contact"] = max(10, math.ceil(contact.substeps * contact.contact_steps))
+    times = [pair.design.contact_time_s for pair in made.pairs if pair.design.contact_time_s is not None]
+    if contact.substeps is not None and times:
+        more["substeps_per_contact"] = max(10, math.ceil(contact.substeps * min(times) / made.step.dt))
     return Contacts(bodies, box, made.law, film, overlap_limit=contact.overlap_limit, **more)
 
 

@@ -26,6 +26,9 @@ LEAST_CONTACT_STEPS = 4
 #: Dry overlap at the bodies' own speed, of the diameter, that an automatic step may lead to; wet kisses stay far below.
 AUTO_OVERLAP = 0.025
 
+#: Different bodies up to which every kind of pair is told apart.
+MOST_GROUPS = 4
+
 #: Nanoseconds a cell and step on one thread, for the estimate of a run's time.
 EXPECTED_NS = 20.0
 
@@ -224,32 +227,60 @@ def _to_end(end: float, dt: float) -> float:
     return end / math.ceil(end / dt - 1e-9)
 
 
-def _kinds(case: Case) -> tuple[Floats, Floats, list[str]]:
-    """Reduced mass, smaller diameter and name of every kind of pair."""
+@dataclass(frozen=True)
+class _Kind:
+    """Two spheres, or a sphere and a wall."""
+
+    name: str
+    first: tuple[float, float]  # diameter [m], density [kg/m^3]
+    second: tuple[float, float] | None = None  # None: a wall
+
+    @property
+    def reduced_mass(self) -> float:
+        own = float(design.sphere_mass(*self.first))
+        return own if self.second is None else float(design.reduced_mass(own, design.sphere_mass(*self.second)))
+
+    @property
+    def diameter(self) -> float:
+        return self.first[0] if self.second is None else min(self.first[0], self.second[0])
+
+
+def _kinds(case: Case) -> list[_Kind]:
+    """Every kind of pair; of many different bodies only the lightest's and the heaviest's, between which all lie."""
     bodies = case.expanded_bodies()
-    mass = bodies.density * np.pi / 6.0 * bodies.diameter**3
-    groups: dict[tuple[float, float], list[int]] = {}
-    for n, (d, m) in enumerate(zip(bodies.diameter, mass, strict=True)):
-        groups.setdefault((float(d), float(m)), []).append(n)
-    items = list(groups.items())
-    several = len(items) > 1
-    found: list[tuple[float, float, str]] = []
-    for a, ((d, m), members) in enumerate(items):
-        for (e, other), _ in items[a:]:
-            if (d, m) == (e, other) and len(members) < 2:
-                continue
-            name = f"sphere-sphere ({1e3 * d:.4g} mm, {1e3 * e:.4g} mm)" if several else "sphere-sphere"
-            found.append((1.0 / (1.0 / m + 1.0 / other), min(d, e), name))
+    if not len(bodies):
+        return []
+    rows, counts = np.unique(np.stack([bodies.diameter, bodies.density], axis=1), axis=0, return_counts=True)
+    order = np.argsort(design.sphere_mass(rows[:, 0], rows[:, 1]), kind="stable")
+    groups = [(float(rows[n, 0]), float(rows[n, 1])) for n in order]
+    alone = {groups[n] for n, k in enumerate(order) if counts[k] < 2}
+    is_many = len(groups) > MOST_GROUPS
+    if is_many:
+        groups, alone = [groups[0], groups[-1]], set()
+    size = "" if len(groups) == 1 else " ({:.4g} mm, {:.4g} mm)"
+    found: list[_Kind] = []
+    for a, one in enumerate(groups):
+        partners = [one] if is_many else groups[a:]
+        found.extend(
+            _Kind("sphere-sphere" + size.format(1e3 * one[0], 1e3 * other[0]), one, other)
+            for other in partners
+            if other != one or one not in alone
+        )
         if any(kind != "periodic" for kind in case.domain.kinds):
-            found.append((m, d, f"sphere-wall ({1e3 * d:.4g} mm)" if several else "sphere-wall"))
-    return (np.array([m for m, _, _ in found]), np.array([d for _, d, _ in found]), [name for _, _, name in found])
+            found.append(_Kind("sphere-wall" + (f" ({1e3 * one[0]:.4g} mm)" if size else ""), one))
+    return found
+
+
+def _columns(kinds: list[_Kind]) -> tuple[Floats, Floats]:
+    return np.array([kind.reduced_mass for kind in kinds]), np.array([kind.diameter for kind in kinds])
 
 
 def _contact_limit(case: Case, found: Scales) -> float:
     """Longest step the contacts allow [s]; inf without pairs."""
-    mass, diameter, _ = _kinds(case)
-    if not len(mass):
+    kinds = _kinds(case)
+    if not kinds:
         return math.inf
+    mass, diameter = _columns(kinds)
     contact = case.contact
     if contact.way != "contact-steps":
         law = _law(case, math.nan)
@@ -281,29 +312,33 @@ def _law(case: Case, dt: float) -> SoftSphere:
 
 
 def _pairs(case: Case, law: SoftSphere, dt: float, found: Scales) -> list[PairKind]:
-    mass, diameter, names = _kinds(case)
-    if not len(mass):
+    kinds = _kinds(case)
+    if not kinds:
         return []
-    parameters = law.parameters(mass, diameter)
-    result = []
-    for n, name in enumerate(names):
-        result.append(
-            PairKind(
-                name,
-                design.soft_sphere(
-                    mass=float(mass[n]),
-                    stiffness=float(parameters.normal_stiffness[n]),
-                    damping=float(parameters.normal_damping[n]),
-                    time_step=dt,
-                    ending=case.contact.ending,
-                    impact_speed=found.fall or None,
-                    diameter=float(diameter[n]),
-                    wall=name.startswith("sphere-wall"),
-                    friction=case.contact.friction,
-                ),
-            )
+    parameters = law.parameters(*_columns(kinds))
+    fluid = {"fluid_density": case.fluid.density, "viscosity": case.fluid.mu} if case.fluid else {}
+    return [
+        PairKind(
+            kind.name,
+            design.soft_sphere(
+                diameter=kind.first[0],
+                density=kind.first[1],
+                diameter2=kind.second[0] if kind.second else None,
+                density2=kind.second[1] if kind.second else None,
+                wall=kind.second is None,
+                stiffness=float(k_n),
+                damping=float(eta_n),
+                time_step=dt,
+                ending=case.contact.ending,
+                impact_speed=found.fall or None,
+                gravity=float(np.linalg.norm(case.domain.gravity)),
+                tangential_ratio=law.tangential_ratio,
+                friction=case.contact.friction,
+                **fluid,
+            ),
         )
-    return result
+        for kind, k_n, eta_n in zip(kinds, parameters.normal_stiffness, parameters.normal_damping, strict=True)
+    ]
 
 
 def _check_memory(case: Case, cells: tuple[int, int, int] | None, memory: int) -> None:

@@ -75,11 +75,10 @@ def scales(case: Case) -> Scales:
         speed = speed + np.abs(fluid.initial_velocity)
         moves = np.array([motion != "fixed" for motion in bodies.motion], bool)
         if n and g > 0.0:
-            excess = np.abs(bodies.density / fluid.density - 1.0) > 1e-12
-            for kind in {(d, r) for d, r in zip(bodies.diameter, bodies.density, strict=True)}:
-                same = (bodies.diameter == kind[0]) & (bodies.density == kind[1]) & moves & excess
-                if same.any():
-                    terminal[same] = design.terminal_velocity(*kind, fluid.density, fluid.mu, g)[0]
+            sinks = moves & (np.abs(bodies.density / fluid.density - 1.0) > 1e-12)
+            terminal[sinks] = design.terminal_velocity(
+                bodies.diameter[sinks], bodies.density[sinks], fluid.density, fluid.mu, g
+            )[0]
             speed = speed + np.abs(gravity) / g * terminal.max(initial=0.0)
         drive = (
             np.abs(np.array(fluid.body_force or (0.0, 0.0, 0.0)))

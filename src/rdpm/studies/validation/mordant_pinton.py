@@ -1,0 +1,79 @@
+"""A glass bead released from rest in water, Re 41.
+
+Measured by Mordant and Pinton, Eur. Phys. J. B 18 (2000) 343-352: d = 0.5 mm, density ratio 2.56. The viscosity is the
+one that makes the measured final speed Re 41. The box is a column of 8 x 8 x 32 diameters with free-slip sides; 95 % of
+the final speed is reached after some 7 diameters.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rdpm.config.load import load_case
+from rdpm.setup import Simulation
+from rdpm.studies.validation.points import crossing, points
+from rdpm.studies.validation.result import Chart, Curve, Found, Row, Tell
+
+__all__ = ["mordant_pinton"]
+
+SOURCE = "Mordant & Pinton 2000"
+
+DIAMETER, GRAVITY, RATIO, REYNOLDS = 5e-4, 9.81, 2.56, 41.0
+
+#: Sides of the box [diameters]; the bead's way [diameters].
+BOX, WAY = (8.0, 8.0, 32.0), 25.0
+
+SPEED_BAND, TIME_BAND = 0.02, 0.05
+
+
+def mordant_pinton(quick: bool, tell: Tell) -> Found:
+    """Final speed and the time to 95 % of it."""
+    time, speed = points("mordant_pinton_2000", "time_over_sqrt_d_g", "speed_over_sqrt_g_d")
+    final = float(speed[time > 40.0].mean())
+    t95 = crossing(time, speed, 0.95 * final)
+    unit_speed, unit_time = float(np.sqrt(GRAVITY * DIAMETER)), float(np.sqrt(DIAMETER / GRAVITY))
+    curves = [Curve("measured", time[time < 30.0], speed[time < 30.0], True)]
+    for across in (8,) if quick else (8, 12):
+        tell(f"{across} cells a diameter")
+        size = [side * DIAMETER for side in BOX]
+        case = {
+            "domain": {"size": size, "boundary": {"x": "free-slip", "y": "free-slip", "z": "free-slip"}},
+            "fluid": {"density": 1000.0, "kinematic_viscosity": final * unit_speed * DIAMETER / REYNOLDS},
+            "bodies": [
+                {
+                    "diameter": DIAMETER,
+                    "density": 1000.0 * RATIO,
+                    "centers": [[0.5 * size[0], 0.5 * size[1], size[2] - 3.0 * DIAMETER]],
+                }
+            ],
+            "resolution": {"cells_per_diameter": across},
+            "time": {"end": 1.0},
+        }
+        simulation = Simulation(load_case(case))
+        rows = []
+        while simulation.bodies.position[0, 2] > size[2] - (3.0 + WAY) * DIAMETER:
+            simulation.advance()
+            rows.append((simulation.time / unit_time, -simulation.bodies.velocity[0, 2] / unit_speed))
+        t, u = np.array(rows).T
+        end = float(u[-1])
+        is_judged = across == 12 or quick
+        yield Row(
+            f"final speed / sqrt(g d), {across} cells/d", end, final, SPEED_BAND if is_judged else None, "", SOURCE
+        )
+        yield Row(
+            f"time to 95 % / sqrt(d/g), {across} cells/d",
+            crossing(t, u, 0.95 * end),
+            t95,
+            TIME_BAND if is_judged else None,
+            "",
+            SOURCE,
+        )
+        curves.append(Curve(f"rdpm, {across} cells a diameter", t, u))
+    yield Chart(
+        "mordant_pinton",
+        "A bead released from rest, Re 41",
+        "time / sqrt(d/g)",
+        "speed / sqrt(g d)",
+        "Glass in water, d = 0.5 mm, density ratio 2.56; column of 8 x 8 x 32 diameters, free-slip sides",
+        curves,
+    )

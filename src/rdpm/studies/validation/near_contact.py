@@ -1,0 +1,139 @@
+r"""Approach in Stokes flow, to a wall and of two equal spheres: what the grid resolves, and what the film model adds.
+
+Bodies move at a given speed, so slowly that they hardly change place, at one gap after another; the hydrodynamic force
+over :math:`6\pi\mu aU` is the resolved resistance. With the film of `rdpm.contacts.Lubrication` at the same gap it is
+compared with the exact series of Brenner, Chem. Eng. Sci. 16 (1961) 242-251 (wall) and Maude, Brit. J. Appl. Phys. 12
+(1961) 293-295 (two spheres). Mean over positions within a cell.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rdpm.config.load import load_case
+from rdpm.setup import Simulation
+from rdpm.setup.build import film_model
+from rdpm.studies.validation.points import points
+from rdpm.studies.validation.result import Chart, Curve, Found, Row, Tell
+
+__all__ = ["near_contact", "resolved_resistance"]
+
+SOURCE = {"wall": "Brenner 1961", "spheres": "Maude 1961"}
+
+#: Gaps over the radius, from wide to narrow.
+GAPS = (2.0, 1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01)
+BAND = 0.10
+
+#: Viscous number nu dt / h^2 of a step; steps until steady from rest (times the square of the cells a radius), and
+#: from one gap to the next.
+STEP, START, NEXT = 1.2, 8.0, 1.5
+
+#: Lateral offsets from a corner of a cell [cells]; the normal position changes with the gap.
+OFFSETS = ((0.125, 0.375), (0.375, 0.125))
+
+#: Sides of the box [diameters].
+BOX = (5.0, 5.0, 5.0)
+
+
+def resolved_resistance(pair: str, across: int, gaps: tuple[float, ...], offset: tuple[float, float]) -> list[float]:
+    """Force over 6 pi mu a U at each gap.
+
+    Parameters
+    ----------
+    pair : str
+        "wall" or "spheres".
+    across : int
+        Cells a diameter.
+    gaps : tuple of float, [radii]
+    offset : tuple of float, (2,), [cells]
+        Of the centres from a corner of a cell, along the wall.
+    """
+    speed = 1e-7
+    x, y = (0.5 * side + o / across for side, o in zip(BOX[:2], offset, strict=True))
+    is_wall = pair == "wall"
+    size = [*BOX[:2], BOX[2] if is_wall else BOX[2] + 1.0]
+
+    def heights(gap: float) -> list[float]:
+        # two spheres: half of the gap is between cells, so that neither sits like the other on the grid
+        if is_wall:
+            return [0.5 + 0.5 * gap]
+        return [0.5 * size[2] + side * (0.5 + 0.25 * gap) + 0.2 / across for side in (1, -1)]
+
+    bodies = [
+        {
+            "diameter": 1.0,
+            "density": 1.0,
+            "centers": [[x, y, z]],
+            "motion": {"velocity": [0.0, 0.0, -speed if n == 0 else speed]},
+        }
+        for n, z in enumerate(heights(gaps[0]))
+    ]
+    case = {
+        "domain": {"size": size, "boundary": {"x": "periodic", "y": "periodic"}, "gravity": [0, 0, 0]},
+        "fluid": {"density": 1.0, "kinematic_viscosity": 1.0},
+        "bodies": bodies,
+        "resolution": {"cells": [round(side * across) for side in size]},
+        "time": {"end": 100.0, "step": STEP / across**2, "diffusion": "stabilised"},
+        "contact": {"stiffness": 1.0, "restitution": 0.9, "lubrication": False},
+    }
+    simulation = Simulation(load_case(case))
+    motion = simulation.system.motion
+    assert motion is not None
+    found = []
+    for n, gap in enumerate(gaps):
+        simulation.bodies.position[:, 2] = heights(gap)
+        for _ in range(int((NEXT if n else START) / STEP * (0.5 * across) ** 2)):
+            simulation.advance()
+        force = motion.hydrodynamic_force[:, 2]
+        found.append(float(np.mean(np.abs(force)) / (3.0 * np.pi * speed)))
+    return found
+
+
+def film(pair: str, across: float, gaps: tuple[float, ...]) -> np.ndarray:
+    """Resistance the film model adds, over 6 pi mu a."""
+    model = film_model(1.0, 1.0 / across)
+    radius_j = np.inf if pair == "wall" else 0.5
+    per_closing = model.resistance(0.5 * np.array(gaps), 0.5, radius_j) / (3.0 * np.pi)
+    # two spheres close at twice the speed of each
+    added: np.ndarray = per_closing * (1.0 if pair == "wall" else 2.0)
+    return added
+
+
+def near_contact(quick: bool, tell: Tell) -> Found:
+    """Resolved and modelled resistance at 8 and 16 cells a diameter (quick: the wall at 8)."""
+    for pair in ("wall",) if quick else ("wall", "spheres"):
+        gap, exact = points("approach_stokes", "gap_over_a", "resistance", pair=pair)
+        order = np.argsort(gap)
+        gap, exact = gap[order], exact[order]
+        curves = [Curve("exact", gap, exact, True)]
+        gaps = tuple(g for g in GAPS if g in gap)
+        for across in (8,) if quick else (8, 16):
+            runs = []
+            for n, offset in enumerate(OFFSETS[:1] if quick else OFFSETS):
+                tell(f"{pair}, {across} cells a diameter, position {n + 1}")
+                runs.append(resolved_resistance(pair, across, gaps, offset))
+            resolved = np.mean(runs, axis=0)
+            total = resolved + film(pair, across, gaps)
+            for g, alone, both in zip(gaps, resolved, total, strict=True):
+                reference = float(exact[gap == g][0])
+                yield Row(
+                    f"{pair}, gap {g:g} a, {across} cells/d (resolved {alone:.3g}, film {both - alone:.3g})",
+                    float(both),
+                    reference,
+                    BAND if across == 16 else None,
+                    source=SOURCE[pair],
+                )
+            curves += [
+                Curve(f"resolved, {across} cells a diameter", np.array(gaps), resolved),
+                Curve("  with the film", np.array(gaps), total),
+            ]
+        yield Chart(
+            f"near_contact_{pair}",
+            "Approach to a wall" if pair == "wall" else "Approach of two spheres",
+            "gap / radius",
+            "force / (6 pi mu a U)",
+            "Stokes flow; box of 5 diameters, periodic along the wall",
+            curves,
+            log_x=True,
+            log_y=True,
+        )
