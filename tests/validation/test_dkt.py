@@ -1,4 +1,7 @@
-"""Two spheres draft, kiss and tumble; at few cells a diameter for the order of the phases, not for their times."""
+"""Two spheres draft, kiss and tumble; at 7 cells a diameter for the order of the phases, not for their times.
+
+At 6 the forcing of the two surfaces, which then share their cells, holds the pair 5 % of a diameter apart: no kiss.
+"""
 
 import numpy as np
 import pytest
@@ -9,11 +12,11 @@ from rdpm.studies.dkt import phases
 
 @pytest.mark.slow
 def test_the_pair_drafts_kisses_and_tumbles_in_that_order() -> None:
-    case = rdpm.load_case("dkt", ["resolution.cells_per_diameter=6", "time.end=3.4"])
+    case = rdpm.load_case("dkt", ["resolution.cells_per_diameter=7", "time.end=3.2"])
     sim = rdpm.Simulation(case)
     rows = [(0.0, sim.bodies.position.copy())]
     sim.on_step(lambda s: rows.append((s.time, s.bodies.position.copy())), every=5)
-    sim.run(until=3.4)
+    sim.run(until=3.2)
     time, position = np.array([t for t, _ in rows]), np.array([x for _, x in rows])
     found = phases(
         time, position[:, 0], position[:, 1], 0.015, 0.015, (0, 0, -9.81), sim.plan.pairs[0].design.contact_time_s
@@ -22,9 +25,9 @@ def test_the_pair_drafts_kisses_and_tumbles_in_that_order() -> None:
     assert found.kiss_time_s is not None
     assert found.tumble_time_s is not None
     assert 0.0 <= found.drafting_time_s < found.kiss_time_s < found.tumble_time_s
-    # Trials at 8 cells: kiss at 1.5 to 1.7 s, past 45 degrees at 2.5 to 3.1 s.
+    # Kiss at 1.65 s, past 45 degrees at 2.82 s here; at 8 cells 1.52 and 2.75 s.
     assert 1.2 < found.kiss_time_s < 2.0
-    assert 2.0 < found.tumble_time_s < 3.4
+    assert 2.0 < found.tumble_time_s < 3.2
     # Up to round-off that tumbling magnifies, the pair stays in the plane of its offset.
     assert np.abs(position[:, :, 1] - 0.05).max() < 1e-6
     gap = np.linalg.norm(position[:, 0] - position[:, 1], axis=1) / 0.015 - 1.0
