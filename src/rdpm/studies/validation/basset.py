@@ -121,7 +121,8 @@ def basset(quick: bool, tell: Tell) -> Found:
         here = exact + _image_speed(ratio, tau, 2.0 * BOX)
         window = tau >= 4.0 * (2.0 / ACROSS) ** 2
         off = speed[window] / here[window] - 1.0
-        yield Row(f"settling, density ratio {ratio}: largest difference", float(abs(off).max()), None, SETTLING_BAND)
+        worst = float(abs(off).max())
+        yield Row(f"settling, density ratio {ratio}: largest difference", worst, None, SETTLING_BAND, "", SOURCE)
         one = np.searchsorted(tau, 4.0 * (1.0 / ACROSS) ** 2)  # mean acceleration until sqrt(nu t) is one cell
         yield Row(
             f"initial acceleration, density ratio {ratio}", float(speed[one]), float(here[one]), START_BAND, "", SOURCE
@@ -134,7 +135,7 @@ def basset(quick: bool, tell: Tell) -> Found:
             worst = float(abs(speed / basset_speed(ratio, tau) - 1.0)[100:].max())
         except GuardError:
             worst = float("inf")
-        yield Row(f"settling, density ratio {ratio}: largest difference", worst)
+        yield Row(f"settling, density ratio {ratio}: largest difference", worst, None, None, "", SOURCE)
     yield Chart(
         "basset",
         "Released from rest in Stokes flow",

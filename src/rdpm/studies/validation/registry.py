@@ -10,10 +10,12 @@ from typing import Any
 from rdpm.studies.validation.basset import basset
 from rdpm.studies.validation.mordant_pinton import mordant_pinton
 from rdpm.studies.validation.near_contact import near_contact
+from rdpm.studies.validation.rebound import rebound
 from rdpm.studies.validation.result import Chart, Found, Row, Tell
 from rdpm.studies.validation.rotation import rotation
 from rdpm.studies.validation.simple_cubic import simple_cubic
 from rdpm.studies.validation.ten_cate import E1, E3, ten_cate
+from rdpm.studies.validation.time_order import time_order
 
 __all__ = ["CASES", "validate"]
 
@@ -26,6 +28,8 @@ CASES: dict[str, tuple[Callable[[bool, Tell], Found], bool]] = {
     "rotation": (rotation, True),
     "mordant-pinton": (mordant_pinton, False),
     "near-contact": (near_contact, True),
+    "rebound": (rebound, True),
+    "time-order": (time_order, True),
 }
 
 

@@ -1,0 +1,102 @@
+"""What `rdpm validate` is made of: rows and bands, published points, exact solutions, and one cheap case by command."""
+
+import json
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rdpm.cli.main import main
+from rdpm.figures.validation import draw
+from rdpm.setup.build import PAIR_FILM, WALL_FILM, film_model
+from rdpm.studies.validation import CASES, Chart, Curve, Row, validate
+from rdpm.studies.validation.basset import basset_speed
+from rdpm.studies.validation.near_contact import film, resolved_resistance
+from rdpm.studies.validation.points import crossing, points
+from rdpm.studies.validation.rebound import peaks
+
+DATA = Path(__file__).parents[1] / "data"
+
+
+def test_a_row_is_judged_by_its_difference_or_by_its_value():
+    assert Row("a", 1.02, 1.0, 0.02 + 1e-12).ok is True
+    assert Row("a", 0.97, 1.0, 0.02).ok is False
+    assert Row("a", 0.97, 1.0).ok is None
+    assert Row("error", -0.03, None, 0.02).ok is False
+    assert Row("error", float("nan"), None, 0.02).ok is False
+    assert Row("error", float("nan")).to_dict()["value"] is None
+
+
+def test_published_points_say_where_they_come_from():
+    folder = files("rdpm.studies.validation").joinpath("data")
+    tables = [item for item in folder.iterdir() if item.name.endswith(".csv")]
+    assert tables
+    for table in tables:
+        first = table.read_text("utf-8").splitlines()[0]
+        assert first.startswith("# "), table.name
+        assert any(year in first + table.name for year in ("2002", "2000", "1961")), table.name
+
+
+def test_a_level_that_is_not_crossed_gives_nan():
+    assert np.isnan(crossing(np.arange(3.0), np.arange(3.0), 5.0))
+
+
+def test_speed_after_release_is_the_published_one():
+    rows = np.genfromtxt(DATA / "validate_basset.csv", delimiter=",", names=True, skip_header=2)
+    for row in rows:
+        found = basset_speed(row["density_ratio"], np.array([row["tau"]]))[0]
+        assert found == pytest.approx(row["speed"], rel=1e-6)  # the table has seven digits
+
+
+def test_peaks_are_the_tops_of_the_measured_bounces():
+    found = peaks(*points("gondret_2002", "time_s", "gap_m"))
+    # The published curve: 7.466, 2.234 and 0.520 mm.
+    np.testing.assert_allclose(found, [7.466e-3, 2.234e-3, 0.520e-3], rtol=2e-3)
+
+
+@pytest.mark.parametrize(("pair", "reach"), [("wall", WALL_FILM), ("spheres", PAIR_FILM)])
+def test_the_film_is_what_the_grid_misses(pair, reach):
+    """Resolved and modelled resistance together, at 8 cells a diameter, from a tenth of the radius down."""
+    gap, exact = points("approach_stokes", "gap_over_a", "resistance", pair=pair)
+    gaps = (1.0, 0.2, 0.1, 0.05, 0.02, 0.01)
+    resolved = resolved_resistance(pair, 8, gaps)
+    both = resolved + film(pair, 8, gaps)
+    reference = np.array([exact[gap == g][0] for g in gaps])
+    np.testing.assert_allclose(both[2:], reference[2:], rtol=0.10)  # the band of the published case at 16 cells
+    assert np.all(resolved[2:] < 0.95 * reference[2:])  # there is something to add
+    assert film_model(1.0, 1.0).reach(np.array([pair == "wall"]))[0][0] == reach[0]
+
+
+def test_a_chart_becomes_a_picture(tmp_path):
+    line = Curve("rdpm", np.arange(1.0, 4.0), np.arange(1.0, 4.0))
+    chart = Chart("x", "title", "t [s]", "y [m]", "what was run", [line, Curve("measured", line.x, line.y, True)], True)
+    path = draw(chart, tmp_path / "new")
+    assert path.name == "validation_x.png"
+    assert path.stat().st_size > 5000
+
+
+def test_the_command_prints_json_and_ends_with_0_where_nothing_is_outside(capsys):
+    assert main(["validate", "time-order", "--quick", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["quick"] is True
+    assert {row["case"] for row in found["rows"]} == {"time-order"}
+
+
+def test_the_command_ends_with_1_where_a_case_is_outside(monkeypatch, capsys):
+    monkeypatch.setitem(CASES, "time-order", (lambda quick, tell: iter([Row("drag", 2.0, 1.0, 0.1)]), True))
+    assert main(["validate", "time-order"]) == 1
+    assert "0 of 1 within" in capsys.readouterr().out
+
+
+def test_an_unknown_case_is_refused_by_name(capsys):
+    assert main(["validate", "nothing"]) == 2
+    assert "simple-cubic" in capsys.readouterr().err
+
+
+def test_rows_carry_the_case_and_their_seconds(monkeypatch):
+    monkeypatch.setitem(CASES, "time-order", (lambda quick, tell: iter([Row("drag", 1.0, 1.0, 0.1)]), True))
+    (row,) = validate(["time-order"])
+    assert row["case"] == "time-order"
+    assert row["ok"] is True
+    assert row["seconds"] >= 0.0
