@@ -5,10 +5,10 @@
 
 namespace rdpm::contacts {
 
-// lambda(gap) - lambda(seen) with lambda = inverse/gap + log*ln(1/gap) [N s/m]; zero beyond gap_cut. The grid sees
-// touching surfaces gap_touching apart and, linearly in between, those at gap_cut where they are.
-// Held below gap_floor (the roughness); zero in overlap, where the solids carry the load and the film keeps
-// its thickness: a soft contact's overlap is no film's flow, and would lose all of a rebound in it.
+// lambda(gap) - lambda(seen) with lambda = inverse/gap + log*ln(1/gap) [N s/m]; zero beyond gap_cut. The grid
+// sees touching surfaces gap_touching apart and, linearly in between, those at gap_cut where they are. Held
+// below gap_floor (the roughness); zero in overlap, where the solids carry the load and the film keeps its
+// thickness: a soft contact's overlap is no film's flow, and would lose all of a rebound in it.
 struct Film {
     double inverse, log, gap_floor, gap_cut, gap_touching;
 
