@@ -108,8 +108,8 @@ def rebound(quick: bool, tell: Tell) -> Found:
     coarse, dt = 10, 0.1e-3
     for label, args in {
         "": (dt, 4, 0.0),
-        "half the step, the same contact time": (0.5 * dt, 8, 0.0),
-        "half the step, half the contact time": (0.5 * dt, 4, 0.0),
+        "dt/2, same contact time": (0.5 * dt, 8, 0.0),
+        "dt/2, half of it": (0.5 * dt, 4, 0.0),
         "8 contact steps": (dt, 8, 0.0),
         "offset 0.25 h": (dt, 4, 0.25),
         "offset 0.5 h": (dt, 4, 0.5),
@@ -118,7 +118,7 @@ def rebound(quick: bool, tell: Tell) -> Found:
         first[label] = peaks(*bounces(coarse, args[0], args[1], args[2], 0.05)[:2])[0]
         change = first[label] / first[""] - 1.0
         yield Row(
-            f"rebound 1, {coarse} cells/d, {label or 'dt 0.1 ms, 4 contact steps'}"
+            f"rebound 1, {coarse} cells/d, {label or 'dt 0.1 ms, 4 steps'}"
             + (f" ({100 * change:+.1f} %)" if label else ""),
             1e3 * first[label],
             1e3 * measured[0],
