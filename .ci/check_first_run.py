@@ -23,10 +23,9 @@ kissed, tumbled = pair["kiss_time_s"], pair["tumble_time_s"]
 problems = [f"missing or empty: {missing}"] if missing else []
 if summary["status"] != "done":
     problems.append(f"status {summary['status']}")
-# Independent runs of this pair kiss at 1.5 to 1.7 s; this one does at 1.485 s, at 1.511 s with a step of 1 ms
-# (docs/validation.md). Tumbling is an instability, so its band is wide.
-if kissed is None or not 1.45 <= kissed <= 1.7:
-    problems.append(f"kiss at {kissed} s, expected from 1.45 to 1.7")
-if tumbled is None or not 2.5 <= tumbled <= 3.1:
-    problems.append(f"tumble at {tumbled} s, expected from 2.5 to 3.1")
+# Bands around what other steps, marker placings and films gave (docs/validation.md); tumbling is an instability.
+if kissed is None or not 1.45 <= kissed <= 1.55:
+    problems.append(f"kiss at {kissed} s, expected from 1.45 to 1.55")
+if tumbled is None or not 2.4 <= tumbled <= 2.9:
+    problems.append(f"tumble at {tumbled} s, expected from 2.4 to 2.9")
 sys.exit("\n".join(problems))
