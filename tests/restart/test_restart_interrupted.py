@@ -24,10 +24,21 @@ from rdpm.studies.runner import run_case
 LONG = ("time.end=0.6", "output.checkpoint_every=0.02", "output.fields_every=0.2")
 
 
+def hear_hangups():
+    """Whoever started the tests may ignore them (nohup), which a child inherits and a run respects."""
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
 def command(folder, *words, **options):
     arguments = [sys.executable, "-m", "rdpm.cli.main", "run", *words]
     return subprocess.Popen(
-        arguments, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options
+        arguments,
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=hear_hangups,
+        **options,
     )
 
 
