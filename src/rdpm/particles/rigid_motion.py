@@ -89,7 +89,7 @@ class RigidMotion:
     def contact_inertia(self) -> tuple[Floats, Floats]:
         """Mass and moment (N,), (N,) that contacts are resolved with: the body's, and a share of the fluid taken along.
 
-        The passes are a geometric series: each takes about half of the slip that is left.
+        The passes are taken as a geometric series, each finding half of the slip before it.
         """
         volume, moment = self.markers.layer_inertia()
         taken = CONTACT_SHARE * self.fluid.density * (2.0 - 2.0 * 0.5**self.passes)

@@ -24,7 +24,8 @@ from rdpm.simulation import simulation
 
 __all__ = ["FORCING_PASSES", "PAIR_FILM", "WALL_FILM", "Simulation", "film_model"]
 
-#: Forcing passes a step: the third still halves the slip, a fourth changes no settling speed by 0.1 %.
+#: Forcing passes a step. Two, three and four give settling speeds within 0.02 % of each other (case settling, 8 cells a
+#: diameter), the slip falling by 6 and 4 %: kept forces do most of the work.
 FORCING_PASSES = 3
 
 #: Gaps [cells] below which the film model enters, and at which the grid sees touching surfaces: read off the resolved

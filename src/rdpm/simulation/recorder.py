@@ -140,70 +140,49 @@ class Recorder:
             self._write_fields()
 
     def _write_tables(self) -> None:
-        sim = self.simulation
-        bodies, fluid, system = sim.bodies, sim.fluid, sim.system
-        n = len(bodies)
         self.episodes["max_overlap_fraction"] = max(self.episodes["max_overlap_fraction"], self._deepest)
-        if n:
-            span = sim.time - self._since
-            contact = self._contact_impulse / span if span > 0.0 else np.zeros((n, 3))
-            flow = system.motion.hydrodynamic_force if system.motion else np.zeros((n, 3))
-            gap, neighbour = nearest_gaps(bodies, system.contacts.box)
-            self._particles.write(
-                np.column_stack(
-                    [
-                        np.full(n, sim.time),
-                        np.arange(n),
-                        bodies.position,
-                        bodies.velocity,
-                        bodies.angular_velocity,
-                        flow,
-                        contact,
-                        gap,
-                        neighbour,
-                    ]
-                )
-            )
-            self._contact_impulse[:] = 0.0
-            self._since = sim.time
+        if len(self.simulation.bodies):
+            self._write_particles()
+        self._write_history()
+        sim, parts = self.simulation, self.simulation.system.watch.seconds
+        named = [parts[name] for name in ("momentum", "bodies", "poisson", "contacts")]
+        self._timing.write([[sim.steps, sim.time, sim.wall_seconds, *named]])
+        for table in self._writers.values():
+            table.flush()
+
+    def _write_particles(self) -> None:
+        sim, bodies, system = self.simulation, self.simulation.bodies, self.simulation.system
+        n, span = len(bodies), sim.time - self._since
+        contact = self._contact_impulse / span if span > 0.0 else np.zeros((n, 3))
+        flow = system.motion.hydrodynamic_force if system.motion else np.zeros((n, 3))
+        gap, neighbour = nearest_gaps(bodies, system.contacts.box)
+        state = (bodies.position, bodies.velocity, bodies.angular_velocity)
+        columns = (np.full(n, sim.time), np.arange(n), *state, flow, contact, gap, neighbour)
+        self._particles.write(np.column_stack(columns))
+        self._contact_impulse[:] = 0.0
+        self._since = sim.time
+
+    def _write_history(self) -> None:
+        sim = self.simulation
+        bodies, fluid, motion = sim.bodies, sim.fluid, sim.system.motion
         speed = np.linalg.norm(bodies.velocity, axis=1).max(initial=0.0)
         energy = 0.5 * float(
             bodies.mass @ (bodies.velocity**2).sum(axis=1)
             + bodies.moment_of_inertia @ (bodies.angular_velocity**2).sum(axis=1)
         )
-        slip = system.motion.slip / speed if system.motion and speed > 0.0 else 0.0
-        self._history.write(
-            [
-                [
-                    sim.steps,
-                    sim.time,
-                    sim.dt,
-                    fluid.cfl_rate * sim.dt if fluid else 0.0,
-                    sim.check_divergence(),
-                    fluid.kinetic_energy() if fluid else 0.0,
-                    energy,
-                    self._deepest,
-                    slip,
-                ]
-            ]
-        )
+        row = {
+            "step": sim.steps,
+            "time_s": sim.time,
+            "dt_s": sim.dt,
+            "cfl": fluid.cfl_rate * sim.dt if fluid else 0.0,
+            "divergence": sim.check_divergence(),
+            "kinetic_energy_fluid_J": fluid.kinetic_energy() if fluid else 0.0,
+            "kinetic_energy_bodies_J": energy,
+            "max_overlap_fraction": self._deepest,
+            "slip": motion.slip / speed if motion and speed > 0.0 else 0.0,
+        }
+        self._history.write([[row[name] for name in HISTORY_COLUMNS]])
         self._deepest = 0.0
-        parts = system.watch.seconds
-        self._timing.write(
-            [
-                [
-                    sim.steps,
-                    sim.time,
-                    sim.wall_seconds,
-                    parts["momentum"],
-                    parts["bodies"],
-                    parts["poisson"],
-                    parts["contacts"],
-                ]
-            ]
-        )
-        for table in self._writers.values():
-            table.flush()
 
     def _write_fields(self) -> None:
         sim = self.simulation
