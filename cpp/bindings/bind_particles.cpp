@@ -2,11 +2,14 @@
 // inner fluid.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
 
+#include <array>
 #include <memory>
 #include <vector>
 
 #include "check.hpp"
+#include "rdpm/particles/close_surfaces.hpp"
 #include "rdpm/particles/immersed_boundary.hpp"
 #include "rdpm/particles/inner_fluid.hpp"
 
@@ -102,6 +105,35 @@ void bind_particles(nb::module_& module) {
         nb::gil_scoped_release released;
         rigid_change(bodies, f, r, v, o, u, inverse_dt, threads, c, total);
     });
+    module.def("marker_moments", [](const Indices& first, const Values& arm, const Values& volume,
+                                    int threads, const Values& out) {
+        const int bodies = static_cast<int>(first.shape(0)) - 1;
+        const std::int32_t* f = checked(first, "first", {bodies + 1});
+        const int n = f[bodies];
+        const double *r = checked(arm, "arm", {n, 3}), *dv = checked(volume, "volume", {n});
+        double* moments = checked(out, "moments", {bodies, 10});
+        nb::gil_scoped_release released;
+        marker_moments(bodies, f, r, dv, threads, moments);
+    });
+    module.def(
+        "distance_to_others",
+        [](const std::array<double, 3>& size, const std::array<bool, 3>& is_periodic,
+           const std::array<bool, 3>& is_solid, const Indices& pairs, const Indices& first,
+           const Values& marker, const Values& centre, const Values& radius, int threads, const Values& out) {
+            const int bodies = static_cast<int>(first.shape(0)) - 1, n_pairs = static_cast<int>(pairs.shape(0));
+            const std::int32_t* f = checked(first, "first", {bodies + 1});
+            const int n = f[bodies];
+            Surroundings around{{size[0], size[1], size[2]},
+                                {is_periodic[0], is_periodic[1], is_periodic[2]},
+                                {is_solid[0], is_solid[1], is_solid[2]},
+                                checked(pairs, "pairs", {n_pairs, 2}),
+                                n_pairs};
+            const double *x = checked(marker, "marker", {n, 3}), *c = checked(centre, "centre", {bodies, 3}),
+                         *a = checked(radius, "radius", {bodies});
+            double* distance = checked(out, "distance", {n});
+            nb::gil_scoped_release released;
+            distance_to_others(around, bodies, f, x, c, a, threads, distance);
+        });
     module.def("inner_motion", [](const Grid& g, const Values& u, const Values& v, const Values& w,
                                   const Values& position, const Values& radius, const Values& out) {
         const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from rdpm import _core
 from rdpm.grid import BOUNDARIES, Grid
-from rdpm.particles.markers import RETRACTION, MarkerSet
+from rdpm.particles.markers import RETRACTION, STAND_BACK, MarkerSet
 from rdpm.particles.seeding import marker_count, sphere_points
 from rdpm.particles.state import Bodies
 
@@ -184,25 +184,44 @@ def test_marker_layer_is_one_cell_thick_and_turns_with_the_body() -> None:
     markers = MarkerSet(bodies, grid)
     bodies.orientation[0] = np.array([1.0, 0.0, 0.0, 1.0]) / np.sqrt(2.0)  # a quarter turn about z
     markers.force[:] = [1.0, 0.0, 0.0]
-    markers.keep_force(bodies)
+    markers.keep_force(bodies, 0.5)
     bodies.orientation[0] = [1.0, 0.0, 0.0, 0.0]
     markers.place(bodies)
-    np.testing.assert_allclose(markers.force, np.tile([0.0, -1.0, 0.0], (len(markers), 1)), atol=1e-15)
+    np.testing.assert_allclose(markers.force, np.tile([0.0, -0.5, 0.0], (len(markers), 1)), atol=1e-15)
     depth = 0.2 - RETRACTION * 0.05
     np.testing.assert_allclose(np.linalg.norm(markers.position - 0.5, axis=1), depth, atol=1e-15)
     shell = 4.0 / 3.0 * np.pi * ((depth + 0.025) ** 3 - (depth - 0.025) ** 3)
     assert markers.volume.sum() == pytest.approx(shell, rel=1e-13)
 
 
-def test_markers_inside_another_body_or_a_wall_force_less() -> None:
+def test_markers_close_to_another_surface_stand_back() -> None:
+    h = 0.05
     grid = Grid((1.0, 1.0, 1.0), (20, 20, 20), ("wall", "periodic", "wall"))
-    bodies = Bodies([0.3, 0.3], [1000.0] * 2, [[0.12, 0.5, 0.5], [0.36, 0.5, 0.5]])
+    bodies = Bodies([0.3, 0.3], [1000.0] * 2, [[0.12, 0.02, 0.5], [0.36, 0.98, 0.5]])  # neighbours across the seam
     markers = MarkerSet(bodies, grid)
     markers.place(bodies)
-    markers.cover(bodies, np.array([[0, 1], [0, -1]]), (True, False, True))
-    away = np.linalg.norm(markers.position - bodies.position[[1, 0]][markers.body], axis=1)
-    depth = np.maximum(0.15 - away, -markers.position[:, 0])
-    np.testing.assert_allclose(markers.volume, markers.full_volume * np.clip(1.0 - depth / 0.05, 0.0, 1.0), rtol=1e-12)
-    assert (markers.volume < markers.full_volume).any()
-    markers.cover(bodies, np.zeros((0, 2), int), (True, False, True))
+    markers.stand_back(bodies, np.array([[0, 1], [0, -1], [0, -3]], np.int32), 0.2)
+    away = markers.position - bodies.position[[1, 0]][markers.body]
+    away[:, 1] -= np.round(away[:, 1])
+    gap = np.linalg.norm(away, axis=1) - 0.15
+    gap = np.where(markers.body == 0, np.minimum(gap, markers.position[:, 0]), gap)  # y has no solid sides
+    near, far = STAND_BACK
+    share = 0.2 + 0.8 * np.clip((gap / h - near) / (far - near), 0.0, 1.0)
+    expected = markers.full_volume * share * np.clip(1.0 + gap / h, 0.0, 1.0)
+    np.testing.assert_allclose(markers.volume, expected, rtol=1e-12, atol=1e-15)
+    assert (markers.volume < 0.2 * markers.full_volume).any() and (markers.volume == markers.full_volume).any()
+    markers.stand_back(bodies, np.zeros((0, 2), np.int32), 0.2)
     np.testing.assert_array_equal(markers.volume, markers.full_volume)
+
+
+def test_layer_matrix_is_the_sums_of_a_rigid_motion() -> None:
+    grid = Grid((1.0, 1.0, 1.0), (20, 20, 20), ("wall", "wall", "wall"))
+    bodies = Bodies([0.3, 0.4], [1000.0] * 2, [[0.16, 0.5, 0.5], [0.53, 0.5, 0.5]])
+    markers = MarkerSet(bodies, grid)
+    markers.place(bodies)
+    markers.stand_back(bodies, np.array([[0, 1], [0, -1]], np.int32), 0.1)
+    motion = np.random.default_rng(3).normal(size=(2, 6))
+    turned = np.cross(motion[markers.body, 3:], markers.arm)
+    sums = markers.sums(motion[markers.body, :3] + turned)
+    np.testing.assert_allclose(np.einsum("nij,nj->ni", markers.layer_matrix(), motion), sums, rtol=1e-12, atol=1e-16)
+

@@ -121,6 +121,7 @@ class Contacts:
         self.bodies, self.box, self.law, self.lubrication = bodies, box, law, lubrication
         self.substeps_per_contact, self.overlap_limit = substeps_per_contact, overlap_limit
         self._neighbours, self._history = Neighbours(bodies, box), History(len(bodies))
+        self._close = Neighbours(bodies, box)
         film_viscosity = lubrication.viscosity if lubrication else None
         self._episodes = Episodes(bodies, film_viscosity if viscosity is None else viscosity)
         self._pairs, self._motion = np.empty((0, 2), np.int32), np.empty(0, np.int32)
@@ -270,6 +271,11 @@ class Contacts:
     def touching(self) -> NDArray[np.int32]:
         """Pairs in contact at the end of the last step, (K, 2); a negative second id is a wall."""
         return self._history.pairs
+
+    def close_pairs(self, gap: float) -> NDArray[np.int32]:
+        """Pairs of surfaces nearer than this [m], of whatever motion, (K, 2); a negative second id is a side."""
+        still = np.zeros((len(self.bodies), 3))
+        return self._close.pairs(still, np.ones(len(self.bodies)), 0.0, gap)
 
     def take_episodes(self) -> NDArray[np.void]:
         """Give the contacts that have finished since the last call, and forget them.

@@ -52,9 +52,9 @@ def step(system: System, dt: float) -> None:
 
     if fluid is not None:
         if markers is not None and motion is not None:
-            markers.cover(bodies, system.contacts.touching, system.contacts.box.has_wall)
             markers.place(bodies)
             # Markers, their stencils and kept forces have moved with the bodies.
+            markers.stand_back(bodies, system.contacts.close_pairs(markers.reach), motion.kept_share(dt))
             markers.spread(tuple(fluid.tendency), markers.force, -1.0 / fluid.weights(dt)[1])  # type: ignore[arg-type]
             # The kept forces are a source of the prediction.
             system.watch.lap("bodies")

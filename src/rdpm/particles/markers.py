@@ -13,11 +13,15 @@ from rdpm.grid import Grid
 from rdpm.particles.seeding import marker_count, sphere_points
 from rdpm.particles.state import Bodies
 
-__all__ = ["RETRACTION", "MarkerSet"]
+__all__ = ["RETRACTION", "STAND_BACK", "MarkerSet"]
 
 #: Markers sit this many cells inside the surface, because the regularised delta spreads their force outwards;
 #: fitted on the drag of dilute simple-cubic arrays.
-RETRACTION = 0.39
+RETRACTION = 0.33
+
+#: Distance of a marker to another surface [cells] from which on it is whole again, after the one below which it has
+#: its least share.
+STAND_BACK = (0.5, 2.0)
 
 Floats = NDArray[np.float64]
 
@@ -39,14 +43,16 @@ class MarkerSet:
     arm : ndarray, (M, 3), [m]
         From the centre, in box axes.
     volume : ndarray, (M,), [m^3]
-        Of the fluid layer, one cell thick, that a marker stands for; less where it lies in another body or a wall.
+        Of the fluid layer, one cell thick, that a marker stands for; less where it is close to another surface.
+    h : float, [m]
+        Mean spacing of the grid.
     force : ndarray, (M, 3), [m/s^2]
         Kept from step to step and turned with the body: the force a unit mass that holds no-slip there.
     """
 
     def __init__(self, bodies: Bodies, grid: Grid, retraction: float = RETRACTION) -> None:
         self.grid = grid
-        h = float(np.cbrt(np.prod(grid.spacing)))
+        self.h = h = float(np.cbrt(np.prod(grid.spacing)))
         radius = 0.5 * bodies.diameter
         counts = [marker_count(a, h) for a in radius]
         self.first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
@@ -65,10 +71,16 @@ class MarkerSet:
         self._body_force = np.zeros(size)
         self.fluid_velocity, self._change = np.zeros(size), np.zeros(size)
         self._layer_arm_square = depth**2
+        self._distance = np.zeros(len(self))
         self._stencils = _core.Markers(grid.core, self.first)
 
     def __len__(self) -> int:
         return int(self.first[-1])
+
+    @property
+    def reach(self) -> float:
+        """Gap [m] beyond which no marker stands back."""
+        return STAND_BACK[1] * self.h
 
     def state(self) -> dict[str, NDArray[Any]]:
         """The kept forces in the bodies' axes, and the volumes as the last step left them; views."""
@@ -87,8 +99,9 @@ class MarkerSet:
         _core.turn_vectors(self.first, q, bodies.position, self._body_force, False, False, threads, self.force)
         self._stencils.place(self.grid.core, self.position)
 
-    def keep_force(self, bodies: Bodies) -> None:
-        """Store the present forces in the bodies' axes, for the next step."""
+    def keep_force(self, bodies: Bodies, share: float) -> None:
+        """Store this share of the present forces in the bodies' axes, for the next step."""
+        self.force *= share
         _core.turn_vectors(
             self.first,
             bodies.orientation,
@@ -135,37 +148,49 @@ class MarkerSet:
         volume = np.add.reduceat(self.volume, self.first[:-1]) if len(self) else np.zeros(0)
         return volume, 2.0 / 3.0 * volume * self._layer_arm_square
 
-    def cover(self, bodies: Bodies, pairs: NDArray[np.integer], has_wall: tuple[bool, bool, bool]) -> None:
-        """Take volume from markers inside another body or beyond a wall, down to none one cell deep.
+    def layer_matrix(self) -> Floats:
+        """Of each body, (N, 6, 6): its velocity and angular velocity to the `sums` of the rigid motion at its markers.
+
+        Markers that stand back on one side leave first moments: push and turn are coupled.
+        """
+        moments = np.empty((self.first.size - 1, 10))
+        _core.marker_moments(self.first, self.arm, self.volume, self.grid.threads, moments)
+        volume, (x, y, z) = moments[:, 0], moments[:, 1:4].T
+        xx, yy, zz, xy, yz, zx = moments[:, 4:].T
+        zero = np.zeros_like(x)
+        cross = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]])
+        matrix = np.zeros((6, 6, len(moments)))
+        matrix[range(3), range(3)] = volume
+        matrix[3:, :3], matrix[:3, 3:] = cross, -cross
+        matrix[3:, 3:] = [[yy + zz, -xy, -zx], [-xy, zz + xx, -yz], [-zx, -yz, xx + yy]]
+        return matrix.transpose(2, 0, 1)
+
+    def stand_back(self, bodies: Bodies, close: NDArray[np.int32], least: float) -> None:
+        """Take volume from markers that are close to another surface.
 
         Parameters
         ----------
         bodies : Bodies
-        pairs : ndarray of int, (P, 2)
-            Bodies that overlap; a negative second id is a wall.
-        has_wall : tuple of bool, (3,)
-            Directions whose sides are solid.
+        close : ndarray of int32, (P, 2)
+            Pairs of bodies whose surfaces are close; a negative second id is a side of the box.
+        least : float, [-]
+            Share left to markers within `STAND_BACK` cells of the other surface; inside it, down to none one cell deep.
 
         Notes
         -----
-        Two surfaces cannot both be held where they overlap; the deeper a marker, the less it forces.
+        The grid cannot hold two surfaces whose deltas overlap.
         """
         np.copyto(self.volume, self.full_volume)
-        h = float(np.cbrt(np.prod(self.grid.spacing)))
-        size = np.array(self.grid.size)
-        for i, j in pairs:
-            for one, other in ((i, j), (j, i)):
-                if one < 0:
-                    continue
-                mine = slice(self.first[one], self.first[one + 1])
-                if other >= 0:
-                    away = self.position[mine] - bodies.position[other]
-                    away -= np.where(self.grid.is_periodic, np.round(away / size) * size, 0.0)
-                    depth = 0.5 * bodies.diameter[other] - np.linalg.norm(away, axis=1)
-                else:
-                    direction, side = divmod(-other - 1, 2)
-                    if not has_wall[direction]:
-                        continue
-                    x = self.position[mine, direction]
-                    depth = x - size[direction] if side else -x
-                self.volume[mine] *= np.clip(1.0 - depth / h, 0.0, 1.0)
+        if not len(close):
+            return
+        grid = self.grid
+        solid = [kind == "wall" for kind in grid.boundary]
+        distance = self._distance
+        _core.distance_to_others(
+            grid.size, grid.is_periodic, solid, close, self.first, self.position, bodies.position,
+            0.5 * bodies.diameter, grid.threads, distance,
+        )  # fmt: skip
+        distance /= self.h
+        near, far = STAND_BACK
+        share = least + (1.0 - least) * np.clip((distance - near) / (far - near), 0.0, 1.0)
+        self.volume *= share * np.clip(1.0 + distance, 0.0, 1.0)

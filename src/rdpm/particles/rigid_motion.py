@@ -29,7 +29,7 @@ from rdpm.fluid.state import Fluid
 from rdpm.particles.markers import MarkerSet
 from rdpm.particles.state import Bodies
 
-__all__ = ["INNER_SHARE", "INNER_SHARE_SPIN", "RigidMotion"]
+__all__ = ["INNER_SHARE", "INNER_SHARE_SPIN", "KEPT_FROM", "RigidMotion"]
 
 #: beta for translation: share of an impulse on the markers that is found inside one projection later; 0.43 to 0.47
 #: measured from 6 to 24 cells a diameter. The motion stays stable while beta is less than about 0.1 too high.
@@ -43,6 +43,9 @@ INNER_SHARE_SPIN = 0.65
 #: grows where inertia * (2 R_0 - R_1) > 4/3, with R_0 and R_1 the velocity one and some steps after a unit impulse:
 #: R_1 is 0.3 to 0.6 of R_0 beside a wall. The whole is too much for light bodies; 0.2 to 0.4 was calm everywhere.
 CONTACT_SHARE = 0.3
+
+#: Viscous number nu dt / h^2 at which half of a marker's force is kept for the next step; see `RigidMotion.kept_share`.
+KEPT_FROM = 0.04
 
 Floats = NDArray[np.float64]
 
@@ -98,6 +101,17 @@ class RigidMotion:
             self.bodies.moment_of_inertia + (1.0 - INNER_SHARE_SPIN) * taken * moment,
         )
 
+    def kept_share(self, dt: float) -> float:
+        """Share x / (x + `KEPT_FROM`) of the markers' forces that the next step begins with, x = nu dt / h^2.
+
+        What is kept makes the drag independent of dt where viscosity takes the forced layer away within a step, x ~ 1.
+        It also remembers: where two surfaces are so close that the grid cannot hold both, or a contact turns a body
+        round, a force kept whole goes on long after its cause. With this share the memory is 1 + x / KEPT_FROM steps,
+        and the slip that the rest leaves behind is at most of order KEPT_FROM h / delta of the speed, whatever dt.
+        """
+        x = self.fluid.viscosity * dt / self.markers.h**2
+        return x / (x + KEPT_FROM)
+
     def kept_force(self) -> Floats:
         """Sum over all bodies of the kept forces on the fluid, (3,) [N]."""
         force: Floats = self.fluid.density * (self.markers.volume @ self.markers.force)
@@ -138,9 +152,10 @@ class RigidMotion:
         """
         bodies, markers, density = self.bodies, self.markers, self.fluid.density
         free = bodies.is_free[:, None]
-        volume, moment = markers.layer_inertia()
-        layer = density * np.repeat(np.stack([volume, moment], axis=1), 3, axis=1)
         outer = 1.0 - self._share
+        inertia = outer[:, None] * density * markers.layer_matrix()
+        inertia[:, range(6), range(6)] += self._inertia
+        answer = np.linalg.inv(inertia)
         given = density * dt * markers.sums(markers.force)  # impulse of the kept forces, already in the prediction
         predicted = self.inner_momentum()
         known = self._inertia * old + (predicted - self.inner + self.missed) - given + impulse
@@ -148,14 +163,14 @@ class RigidMotion:
         total = np.zeros_like(given)
         for _ in range(self.passes):
             at_markers = density * markers.sums(markers.interpolate(self.fluid.velocity))
-            solved = (known + outer * (at_markers - total)) / (self._inertia + outer * layer)
+            solved = np.einsum("nij,nj->ni", answer, known + outer * (at_markers - total))
             np.copyto(bodies.velocity, solved[:, :3], where=free)
             np.copyto(bodies.angular_velocity, solved[:, 3:], where=free)
             change = markers.force_rigid(bodies, dt)
             total += density * markers.sums(change)
             markers.spread(self.fluid.velocity, change, 1.0)
         self.slip = float(np.sqrt(np.mean(change**2) * 3.0)) if len(markers) else 0.0
-        markers.keep_force(bodies)
+        markers.keep_force(bodies, self.kept_share(dt))
         self._foreseen = predicted + self._share * total
         fluid_on_body = (self._foreseen - self.inner + self.missed - given - total) / dt
         self.hydrodynamic_force, self.hydrodynamic_torque = fluid_on_body[:, :3], fluid_on_body[:, 3:]

@@ -310,4 +310,24 @@ inline void rigid_change(int bodies, const std::int32_t* first, const double* ar
     }
 }
 
+// Of each body, its markers' volume V and moments about the centre: V, sum of V r (3), sum of V r r
+// (xx, yy, zz, xy, yz, zx). (bodies, 10).
+inline void marker_moments(int bodies, const std::int32_t* first, const double* arm, const double* volume,
+                           int threads, double* out) {
+#pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
+    for (int b = 0; b < bodies; ++b) {
+        double s[10] = {};
+        for (int m = first[b]; m < first[b + 1]; ++m) {
+            const double *r = arm + 3 * m, v = volume[m];
+            s[0] += v;
+            for (int c = 0; c < 3; ++c) {
+                s[1 + c] += v * r[c];
+                s[4 + c] += v * r[c] * r[c];
+                s[7 + c] += v * r[c] * r[(c + 1) % 3];
+            }
+        }
+        std::copy_n(s, 10, out + 10 * b);
+    }
+}
+
 }  // namespace rdpm
