@@ -209,7 +209,8 @@ def test_markers_close_to_another_surface_stand_back() -> None:
     share = 0.2 + 0.8 * np.clip((gap / h - near) / (far - near), 0.0, 1.0)
     expected = markers.full_volume * share * np.clip(1.0 + gap / h, 0.0, 1.0)
     np.testing.assert_allclose(markers.volume, expected, rtol=1e-12, atol=1e-15)
-    assert (markers.volume < 0.2 * markers.full_volume).any() and (markers.volume == markers.full_volume).any()
+    assert (markers.volume < 0.2 * markers.full_volume).any()
+    assert (markers.volume == markers.full_volume).any()
     markers.stand_back(bodies, np.zeros((0, 2), np.int32), 0.2)
     np.testing.assert_array_equal(markers.volume, markers.full_volume)
 
