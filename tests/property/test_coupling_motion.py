@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import rdpm
+from rdpm.particles.rigid_motion import KEPT_FROM
 
 D = 0.015
 FLUID_DENSITY, VISCOSITY = 962.0, 0.113
@@ -244,5 +245,6 @@ def test_box_shifted_over_a_periodic_side_gives_the_same_motion() -> None:
 def test_slip_that_is_left_is_small() -> None:
     sim = simulation(end=0.2)
     sim.run(until=0.2)
-    # Three passes and the forces kept from the step before leave 2e-3 of the speed or less.
-    assert sim.system.motion.slip < 5e-3 * np.abs(sim.bodies.velocity).max()
+    # What is not kept leaves a slip of order KEPT_FROM of the speed where the boundary layer is a cell thick; each of the
+    # two passes before the last, whose change is reported, halves it.
+    assert sim.system.motion.slip < KEPT_FROM / 4 * np.abs(sim.bodies.velocity).max()

@@ -44,11 +44,11 @@ class MeanFlow:
         np.copyto(self.mean_velocity, state["mean_velocity"])
 
     def force(self, dt: float, motion: RigidMotion | None) -> tuple[float, float, float]:
-        """For the coming step, [m/s^2]: balances the kept forces and what the last step left of the mean flow."""
+        """For the coming step, [m/s^2]: balances the force of the last step and what it left of the mean flow."""
         total = self.given
         if self.is_zero_mean:
-            kept = motion.kept_force() if motion else np.zeros(3)
-            total = total - kept / self.fluid_mass - self.mean_velocity / dt
+            on_fluid = motion.given_force.sum(axis=0) if motion else np.zeros(3)
+            total = total - on_fluid / self.fluid_mass - self.mean_velocity / dt
         return float(total[0]), float(total[1]), float(total[2])
 
     def advance(self, dt: float, force: tuple[float, float, float], motion: RigidMotion | None) -> None:

@@ -31,12 +31,16 @@ from rdpm.particles.state import Bodies
 
 __all__ = ["INNER_SHARE", "INNER_SHARE_SPIN", "KEPT_FROM", "RigidMotion"]
 
-#: beta for translation: share of an impulse on the markers that is found inside one projection later; 0.43 to 0.47
-#: measured from 6 to 24 cells a diameter. The motion stays stable while beta is less than about 0.1 too high.
-INNER_SHARE = 0.45
+#: beta for translation, share of an impulse on the markers that is found inside one projection later: limit for many
+#: cells a diameter and what one over the cells a diameter takes from it. Measured from 6 to 24 within 0.003
+#: (docs/theory/rigid_motion.md). The motion stays stable while beta is less than about 0.1 too high.
+INNER_SHARE = (0.471, -0.336)
 
-#: The same for rotation, where no pressure answers; 0.56 to 0.71 measured.
-INNER_SHARE_SPIN = 0.65
+#: The same for rotation, where no pressure answers.
+INNER_SHARE_SPIN = (0.71, -1.07)
+
+#: The same for translation before the projection.
+SPREAD_SHARE = (0.702, -0.50)
 
 #: Share of the fluid's part in the inertia that contacts and films are resolved with. A stiff film stops the body
 #: within the step; the fluid then gives back velocity and holds the body a step later. That exchange changes sign and
@@ -85,7 +89,10 @@ class RigidMotion:
         self.hydrodynamic_force, self.hydrodynamic_torque = np.zeros((n, 3)), np.zeros((n, 3))
         self.given_force = np.zeros((n, 3))  # on the fluid, over the last step
         self.slip = 0.0
-        self._share = np.repeat([INNER_SHARE, INNER_SHARE_SPIN], 3)
+        cells = bodies.diameter / markers.h
+        inner, spin, spread = (a + b / cells for a, b in (INNER_SHARE, INNER_SHARE_SPIN, SPREAD_SHARE))
+        self._share = np.repeat(np.stack([inner, spin], axis=1), 3, axis=1)
+        self._pressure_share = (spread - inner)[:, None]
         self._inertia = np.repeat(np.stack([bodies.mass, bodies.moment_of_inertia], axis=1), 3, axis=1)
 
     @property
@@ -97,8 +104,8 @@ class RigidMotion:
         volume, moment = self.markers.layer_inertia()
         taken = CONTACT_SHARE * self.fluid.density * (2.0 - 2.0 * 0.5**self.passes)
         return (
-            self.bodies.mass + (1.0 - INNER_SHARE) * taken * volume,
-            self.bodies.moment_of_inertia + (1.0 - INNER_SHARE_SPIN) * taken * moment,
+            self.bodies.mass + (1.0 - self._share[:, 0]) * taken * volume,
+            self.bodies.moment_of_inertia + (1.0 - self._share[:, 3]) * taken * moment,
         )
 
     def kept_share(self, dt: float) -> float:
@@ -111,11 +118,6 @@ class RigidMotion:
         """
         x = self.fluid.viscosity * dt / self.markers.h**2
         return x / (x + KEPT_FROM)
-
-    def kept_force(self) -> Floats:
-        """Sum over all bodies of the kept forces on the fluid, (3,) [N]."""
-        force: Floats = self.fluid.density * (self.markers.volume @ self.markers.force)
-        return force
 
     def inner_momentum(self) -> Floats:
         """Momentum and angular momentum of the fluid inside each body, (N, 6) [kg m/s], [kg m^2/s]."""
@@ -140,7 +142,9 @@ class RigidMotion:
         self.inner = self.inner_momentum()
 
     def force(self, dt: float, old: Floats, impulse: Floats) -> None:
-        """Change the predicted fluid velocity to no-slip on the bodies, and the free bodies' velocities with it.
+        """Change the fluid velocity to no-slip on the bodies, and the free bodies' velocities with it.
+
+        May be called again after a projection: it then adds what this took.
 
         Parameters
         ----------
@@ -153,11 +157,13 @@ class RigidMotion:
         bodies, markers, density = self.bodies, self.markers, self.fluid.density
         free = bodies.is_free[:, None]
         outer = 1.0 - self._share
-        inertia = outer[:, None] * density * markers.layer_matrix()
+        inertia = outer[:, :, None] * density * markers.layer_matrix()
         inertia[:, range(6), range(6)] += self._inertia
         answer = np.linalg.inv(inertia)
         given = density * dt * markers.sums(markers.force)  # impulse of the kept forces, already in the prediction
         predicted = self.inner_momentum()
+        # The pressure has answered the whole of the last force, of which a share is kept.
+        predicted[:, :3] += self._pressure_share * (dt * self.given_force - given[:, :3])
         known = self._inertia * old + (predicted - self.inner + self.missed) - given + impulse
         known[:, :3] += dt * self.weight
         total = np.zeros_like(given)
@@ -170,13 +176,13 @@ class RigidMotion:
             total += density * markers.sums(change)
             markers.spread(self.fluid.velocity, change, 1.0)
         self.slip = float(np.sqrt(np.mean(change**2) * 3.0)) if len(markers) else 0.0
-        markers.keep_force(bodies, self.kept_share(dt))
         self._foreseen = predicted + self._share * total
         fluid_on_body = (self._foreseen - self.inner + self.missed - given - total) / dt
         self.hydrodynamic_force, self.hydrodynamic_torque = fluid_on_body[:, :3], fluid_on_body[:, 3:]
         self.given_force = (given + total)[:, :3] / dt
 
-    def close(self) -> None:
-        """After projection: what the inner fluid really gained."""
+    def close(self, dt: float) -> None:
+        """After projection: what the inner fluid really gained, and what the markers keep."""
+        self.markers.keep_force(self.bodies, self.kept_share(dt))
         self.inner = self.inner_momentum()
         self.missed = self.inner - self._foreseen

@@ -31,7 +31,7 @@ FORCING_PASSES = 3
 #: Gaps [cells] below which the film model enters, and at which the grid sees touching surfaces: read off the resolved
 #: resistance in Stokes flow, of a sphere against a wall and of two, which is the same function of gap over cell from
 #: 8 to 16 cells a diameter (docs/validation.md).
-WALL_FILM, PAIR_FILM = (2.0, 0.25), (0.7, 0.16)
+WALL_FILM, PAIR_FILM = (1.5, 0.28), (0.57, 0.22)
 
 
 class Simulation(simulation.Simulation):
