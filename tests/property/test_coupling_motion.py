@@ -245,6 +245,6 @@ def test_box_shifted_over_a_periodic_side_gives_the_same_motion() -> None:
 def test_slip_that_is_left_is_small() -> None:
     sim = simulation(end=0.2)
     sim.run(until=0.2)
-    # What is not kept leaves a slip of order KEPT_FROM of the speed where the boundary layer is a cell thick; each of the
-    # two passes before the last, whose change is reported, halves it.
+    # What is not kept leaves a slip of order KEPT_FROM of the speed where the boundary layer is a cell thick; each of
+    # the two passes before the last, whose change is reported, halves it.
     assert sim.system.motion.slip < KEPT_FROM / 4 * np.abs(sim.bodies.velocity).max()

@@ -39,6 +39,9 @@ class Lubrication:
         left out: below the cut-off the grid then resolves no more than at it.
     pair_cutoff_gap, pair_touching_gap : float, optional, [m]
         The same between two bodies; those of a wall when left out.
+    pair_radius : float, optional, [m]
+        Reduced radius :math:`a_r` that these two belong to; for others they go as :math:`a_r^{2/3}`. The same for all
+        when left out. > 0.
 
     Raises
     ------
@@ -65,6 +68,7 @@ class Lubrication:
     touching_gap: float | None = None
     pair_cutoff_gap: float | None = None
     pair_touching_gap: float | None = None
+    pair_radius: float | None = None
 
     def __post_init__(self) -> None:
         for name, upper in (("viscosity", np.inf), ("cutoff_gap", np.inf), ("roughness", 0.1)):
@@ -88,14 +92,20 @@ class Lubrication:
         cut = self.pair_cutoff_gap or self.cutoff_gap
         return cut, self.pair_touching_gap or min(self._wall[1], cut)
 
-    @property
-    def largest_gap(self) -> float:
-        """Gap beyond which no film acts [m]."""
-        return max(self.cutoff_gap, self._pair[0])
+    def largest_gap(self, radius: Floats) -> float:
+        """Gap beyond which no film acts between bodies of these radii, (N,), and walls [m]."""
+        largest = radius.max(keepdims=True, initial=0.0)
+        walls, pairs = (self.reach(largest, other)[0].max() for other in (np.array([np.inf]), largest))
+        return float(max(walls, pairs))
 
-    def reach(self, is_wall: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    def reach(self, radius_i: Floats, radius_j: Floats) -> tuple[Floats, Floats]:
         """Cut-off gap and the gap at which the grid sees touching surfaces, of each pair, (M,), (M,) [m]."""
-        cut, touching = (np.where(is_wall, *both) for both in zip(self._wall, self._pair, strict=True))
+        is_wall = np.isinf(radius_j)
+        scale = np.ones_like(radius_i)
+        if self.pair_radius is not None:
+            other = np.where(is_wall, radius_i, radius_j)
+            scale = np.where(is_wall, 1.0, (radius_i * other / (radius_i + other) / self.pair_radius) ** (2.0 / 3.0))
+        cut, touching = (np.where(is_wall, *both) * scale for both in zip(self._wall, self._pair, strict=True))
         return cut, touching
 
     def coefficients(self, radius_i: Floats, radius_j: Floats) -> tuple[Floats, Floats, Floats]:
@@ -136,6 +146,6 @@ class Lubrication:
         inverse, log, floor = self.coefficients(np.array([radius_i]), np.array([radius_j]))
         gap = np.ascontiguousarray(gap, dtype=np.float64)
         result = np.empty_like(gap)
-        reach = self._wall if np.isinf(radius_j) else self._pair
-        _core.lubrication_resistance(gap, inverse[0], log[0], floor[0], *reach, result)
+        cut, touching = self.reach(np.array([radius_i]), np.array([radius_j]))
+        _core.lubrication_resistance(gap, inverse[0], log[0], floor[0], cut[0], touching[0], result)
         return result

@@ -122,6 +122,7 @@ class Contacts:
         self.substeps_per_contact, self.overlap_limit = substeps_per_contact, overlap_limit
         self._neighbours, self._history = Neighbours(bodies, box), History(len(bodies))
         self._close = Neighbours(bodies, box)
+        self._film_reach = lubrication.largest_gap(0.5 * bodies.diameter) if lubrication and len(bodies) else 0.0
         film_viscosity = lubrication.viscosity if lubrication else None
         self._episodes = Episodes(bodies, film_viscosity if viscosity is None else viscosity)
         self._pairs, self._motion = np.empty((0, 2), np.int32), np.empty(0, np.int32)
@@ -164,7 +165,7 @@ class Contacts:
         free = b.is_free
         inverse_mass = free / (b.mass if inertia is None else inertia)
         inverse_moment = free / (b.moment_of_inertia if moment is None else moment)
-        film = self.lubrication.largest_gap if self.lubrication else 0.0
+        film = self._film_reach
         margin = film + 2.0 * self._history.largest_overlap  # a spring under load may throw its bodies apart
         pairs = self._neighbours.pairs(force, inverse_mass, dt, margin)
         step = ContactStep(*np.zeros((3, n, 3)))
@@ -244,9 +245,10 @@ class Contacts:
             laws[:, column] = values[kind]
         if self.lubrication:
             radius = self._neighbours.radius
-            films = self.lubrication.coefficients(radius[i], np.where(wall, inf, radius[other]))
+            radii = radius[i], np.where(wall, inf, radius[other])
+            films = self.lubrication.coefficients(*radii)
             laws[:, 5:8] = np.transpose(films)
-            laws[:, 8:10] = np.transpose(self.lubrication.reach(wall))
+            laws[:, 8:10] = np.transpose(self.lubrication.reach(*radii))
         laws[wall & self.box.is_slip_side[np.where(wall, -1 - j, 0)], 2:] = 0.0
 
     def _record(self, pairs: NDArray[np.int32], states: Floats, dt: float) -> None:

@@ -29,9 +29,10 @@ __all__ = ["FORCING_PASSES", "PAIR_FILM", "WALL_FILM", "Simulation", "film_model
 FORCING_PASSES = 3
 
 #: Gaps [cells] below which the film model enters, and at which the grid sees touching surfaces: read off the resolved
-#: resistance in Stokes flow, of a sphere against a wall and of two, which is the same function of gap over cell from
-#: 8 to 16 cells a diameter (docs/validation.md).
-WALL_FILM, PAIR_FILM = (1.5, 0.28), (0.57, 0.22)
+#: resistance in Stokes flow, of a sphere against a wall and of two, from 8 to 16 cells a diameter (docs/validation.md).
+#: Of two spheres they grow as the reduced radius in cells to the 2/3, and are given for 8 cells a diameter.
+WALL_FILM, PAIR_FILM, PAIR_FILM_RADIUS = (1.5, 0.28), (0.31, 0.19), 2.0
+
 
 
 class Simulation(simulation.Simulation):
@@ -123,8 +124,15 @@ def film_model(viscosity: float, h: float, roughness: float = 1e-3) -> Lubricati
     roughness : float, [-]
         Smallest gap over the smaller radius.
     """
-    wall, pair = ([n * h for n in film] for film in (WALL_FILM, PAIR_FILM))
-    return Lubrication(viscosity, wall[0], roughness, wall[1], *pair)
+    return Lubrication(
+        viscosity,
+        WALL_FILM[0] * h,
+        roughness,
+        WALL_FILM[1] * h,
+        PAIR_FILM[0] * h,
+        PAIR_FILM[1] * h,
+        PAIR_FILM_RADIUS * h,
+    )
 
 
 def _contacts(made: Plan, bodies: Bodies, box: Box, film: Lubrication | None) -> Contacts:

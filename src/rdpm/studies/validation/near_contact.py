@@ -25,19 +25,21 @@ SOURCE = {"wall": "Brenner 1961", "spheres": "Maude 1961"}
 GAPS = (2.0, 1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01)
 BAND = 0.10
 
-#: Viscous number nu dt / h^2 of a step; steps until steady from rest (times the square of the cells a radius), and
-#: from one gap to the next.
-STEP, START, NEXT = 1.8, 12.0, 2.5
+#: Viscous number nu dt / h^2 of a step, and others for the wall at 8 cells a diameter; viscous times (radius squared
+#: over nu) until steady from rest, and from one gap to the next.
+STEP, OTHER_STEPS = 0.6, (1.8, 0.15)
+START, NEXT = 12.0, 2.5
 
-#: Lateral offset from a corner of a cell [cells]; others change the force by less than 0.3 %, and the position along
-#: the normal changes with the gap.
-OFFSET = (0.125, 0.375)
+#: Offsets from a corner of a cell, lateral ones and, for two spheres, that of their middle [cells]; means are shown.
+OFFSETS = ((0.125, 0.375, 0.2), (0.5, 0.0, 0.45))
 
 #: Sides of the box [diameters].
 BOX = (7.0, 7.0, 6.0)
 
 
-def resolved_resistance(pair: str, across: int, gaps: tuple[float, ...]) -> NDArray[np.float64]:
+def resolved_resistance(
+    pair: str, across: int, gaps: tuple[float, ...], step: float = STEP, offset: tuple[float, float, float] = OFFSETS[0]
+) -> NDArray[np.float64]:
     """Force over 6 pi mu a U at each gap.
 
     Parameters
@@ -48,9 +50,13 @@ def resolved_resistance(pair: str, across: int, gaps: tuple[float, ...]) -> NDAr
         Cells a diameter.
     gaps : tuple of float, [radii]
         From wide to narrow.
+    step : float, [-]
+        Viscous number nu dt / h^2.
+    offset : tuple of float, [cells]
+        Of the sphere, or of the middle of two, from a corner of a cell; the third only of two.
     """
     speed = 1e-7
-    x, y = (0.5 * side + o / across for side, o in zip(BOX[:2], OFFSET, strict=True))
+    x, y = (0.5 * side + o / across for side, o in zip(BOX[:2], offset[:2], strict=True))
     is_wall = pair == "wall"
     size = [*BOX[:2], BOX[2] if is_wall else BOX[2] + 1.0]
 
@@ -58,7 +64,7 @@ def resolved_resistance(pair: str, across: int, gaps: tuple[float, ...]) -> NDAr
         # two spheres: half of the gap is between cells, so that neither sits like the other on the grid
         if is_wall:
             return [0.5 + 0.5 * gap]
-        return [0.5 * size[2] + side * (0.5 + 0.25 * gap) + 0.2 / across for side in (1, -1)]
+        return [0.5 * size[2] + side * (0.5 + 0.25 * gap) + offset[2] / across for side in (1, -1)]
 
     bodies = [
         {
@@ -74,7 +80,7 @@ def resolved_resistance(pair: str, across: int, gaps: tuple[float, ...]) -> NDAr
         "fluid": {"density": 1.0, "kinematic_viscosity": 1.0},
         "bodies": bodies,
         "resolution": {"cells": [round(side * across) for side in size]},
-        "time": {"end": 100.0, "step": STEP / across**2, "diffusion": "stabilised"},
+        "time": {"end": 100.0, "step": step / across**2, "diffusion": "stabilised"},
         "contact": {"stiffness": 1.0, "restitution": 0.9, "lubrication": False},
     }
     simulation = Simulation(load_case(case))
@@ -83,7 +89,7 @@ def resolved_resistance(pair: str, across: int, gaps: tuple[float, ...]) -> NDAr
     found = []
     for n, gap in enumerate(gaps):
         simulation.bodies.position[:, 2] = heights(gap)
-        for _ in range(int((NEXT if n else START) / STEP * (0.5 * across) ** 2)):
+        for _ in range(int((NEXT if n else START) / step * (0.5 * across) ** 2)):
             simulation.advance()
         force = motion.hydrodynamic_force[:, 2]
         found.append(float(np.mean(np.abs(force)) / (3.0 * np.pi * speed)))
@@ -101,7 +107,7 @@ def film(pair: str, across: float, gaps: tuple[float, ...]) -> NDArray[np.float6
 
 
 def near_contact(quick: bool, tell: Tell) -> Found:
-    """Resolved and modelled resistance at 8 and 16 cells a diameter (quick: the wall at 8)."""
+    """Resolved and modelled resistance at 8 and 16 cells a diameter (quick: the wall at 8, one place in a cell)."""
     for pair in ("wall",) if quick else ("wall", "spheres"):
         gap, exact = points("approach_stokes", "gap_over_a", "resistance", pair=pair)
         order = np.argsort(gap)
@@ -110,7 +116,8 @@ def near_contact(quick: bool, tell: Tell) -> Found:
         gaps = tuple(g for g in GAPS if g in gap)
         for across in (8,) if quick else (8, 16):
             tell(f"{pair}, {across} cells a diameter")
-            resolved = resolved_resistance(pair, across, gaps)
+            places = OFFSETS[:1] if quick else OFFSETS
+            resolved = np.mean([resolved_resistance(pair, across, gaps, STEP, place) for place in places], axis=0)
             total = resolved + film(pair, across, gaps)
             for g, alone, both in zip(gaps, resolved, total, strict=True):
                 reference = float(exact[gap == g][0])
@@ -125,6 +132,10 @@ def near_contact(quick: bool, tell: Tell) -> Found:
                 Curve(f"resolved, {across} cells a diameter", np.array(gaps), resolved),
                 Curve("  with the film", np.array(gaps), total),
             ]
+        for step in () if quick or pair == "spheres" else OTHER_STEPS:
+            tell(f"{pair}, 8 cells a diameter, nu dt / h^2 = {step:g}")
+            for g, alone in zip(gaps, resolved_resistance(pair, 8, gaps, step), strict=True):
+                yield Row(f"{pair}, gap {g:g} a, 8 cells/d, resolved at nu dt / h^2 = {step:g}", float(alone))
         yield Chart(
             f"near_contact_{pair}",
             "Approach to a wall" if pair == "wall" else "Approach of two spheres",
