@@ -7,6 +7,8 @@ approach is prescribed until the gap is one radius, as in the shipped case `rebo
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,17 +25,26 @@ Floats = NDArray[np.float64]
 
 DIAMETER, SPEED, RESTITUTION = 3e-3, 0.585, 0.97
 
-#: Sides of the box, and start of the centre above the floor [diameters].
-BOX, START = (16.0 / 3.0, 16.0 / 3.0, 15.0), 12.5
+#: Horizontal sides of the box, and start of the centre above the floor [diameters].
+ACROSS, START = (16.0 / 3.0, 16.0 / 3.0), 12.5
 
-#: Time after impact that holds two rebounds [s].
-AFTER = 0.12
+#: Time after impact that holds three rebounds, and the top of the first [s].
+AFTER, AFTER_FIRST = 0.15, 0.05
 
 PEAK_BANDS = (0.05, 0.10)
 
+#: Cells a diameter, step [s], contact steps and start [diameters] of the runs that are varied; their bands.
+VARIED = (16, 0.02e-3, 16, 5.5)
+PLACE_BAND, STEP_BAND, CONTACT_BAND = 0.05, 0.03, 0.05
+
 
 def bounces(
-    across: float, step: float, contact_steps: float, offset: float = 0.0, after: float = AFTER
+    across: float,
+    step: float,
+    contact_steps: float,
+    offset: float = 0.0,
+    after: float = AFTER,
+    start: float = START,
 ) -> tuple[Floats, Floats, float]:
     """Time from impact [s], gap [m], and largest overlap over the diameter.
 
@@ -47,10 +58,12 @@ def bounces(
         Added to the start along all directions.
     after : float, [s]
         Simulated from impact on.
+    start : float, [diameters]
+        Height of the centre at first; the box ends 2.5 diameters above.
     """
     h = DIAMETER / across
-    size = [side * DIAMETER for side in BOX]
-    center = [0.5 * size[0] + offset * h, 0.5 * size[1] + offset * h, START * DIAMETER + offset * h]
+    size = [side * DIAMETER for side in (*ACROSS, start + 2.5)]
+    center = [0.5 * size[0] + offset * h, 0.5 * size[1] + offset * h, start * DIAMETER + offset * h]
     ramp = 1e-3
     case = {
         "domain": {"size": size},
@@ -91,41 +104,50 @@ def peaks(time: Floats, gap: Floats) -> list[float]:
     return (found + [float("nan")] * 3)[:3]
 
 
+def _first_peak(across: float, step: float, contact_steps: float, offset: float, wake: float) -> float:
+    """Height of the first rebound [m] after a fall from so many diameters."""
+    return peaks(*bounces(across, step, contact_steps, offset, AFTER_FIRST, wake)[:2])[0]
+
+
+def _dependence(tell: Tell) -> Iterator[Row]:
+    """What step, contact time and place within a cell change in the first rebound, after a shorter fall."""
+    across, step, steps, wake = VARIED
+
+    def row(what: str, found: float, band: float | None) -> Row:
+        return Row(f"rebound 1, {across} cells/d, {what}", 1e3 * found, 1e3 * base, band, "mm", "the row above")
+
+    tell(f"{across} cells a diameter, from {wake:g} diameters, offset 0")
+    places = [base := _first_peak(across, step, steps, 0.0, wake)]
+    label = f"dt {1e3 * step:g} ms, {steps} contact steps"
+    yield Row(f"rebound 1, {across} cells/d, from {wake:g} d, {label}", 1e3 * base, unit="mm")
+    for offset in (0.2, 0.4, 0.6, 0.8):
+        tell(f"offset {offset:g} cells")
+        places.append(_first_peak(across, step, steps, offset, wake))
+    yield row("five places in a cell, lowest", min(places), PLACE_BAND)
+    yield row("five places in a cell, highest", max(places), PLACE_BAND)
+    tell("half the step")
+    yield row("half the step, the same contact time", _first_peak(across, 0.5 * step, 2 * steps, 0.0, wake), STEP_BAND)
+    for other, dt in ((8, step), (30, 16 / 30 * step)):
+        tell(f"{other} contact steps")
+        what = f"{other} contact steps of {1e3 * dt:.3g} ms"
+        yield row(what, _first_peak(across, dt, other, 0.0, wake), CONTACT_BAND)
+
+
 def rebound(quick: bool, tell: Tell) -> Found:
-    """Heights of two rebounds at 16 cells a diameter, and what offset, step and contact time change in the first."""
+    """Heights of two rebounds at 16 cells a diameter, and what place, step and contact time change in the first."""
     time, gap = points("gondret_2002", "time_s", "gap_m")
     measured = peaks(time, gap)
-    across, step = (10, 0.12e-3) if quick else (16, 0.06e-3)
+    across, step, steps = (10, 0.05e-3, 8) if quick else (16, 0.02e-3, 16)
     tell(f"{across} cells a diameter")
-    t, g, overlap = bounces(across, step, 4)
-    for n, (height, reference, band) in enumerate(zip(peaks(t, g), measured, PEAK_BANDS, strict=False)):
-        what = f"rebound {n + 1}, {across} cells/d, dt {1e3 * step:g} ms"
-        yield Row(what, 1e3 * height, 1e3 * reference, None if quick else band, "mm", SOURCE)
+    t, g, overlap = bounces(across, step, steps)
+    for n, (height, reference) in enumerate(zip(peaks(t, g), measured, strict=False)):
+        what = f"rebound {n + 1}, {across} cells/d, dt {1e3 * step:g} ms, {steps} contact steps"
+        band = None if quick or n >= len(PEAK_BANDS) else PEAK_BANDS[n]
+        yield Row(what, 1e3 * height, 1e3 * reference, band, "mm", SOURCE)
     yield Row(f"largest overlap, {across} cells/d, dt {1e3 * step:g} ms", 100.0 * overlap, unit="% d")
     if quick:
         return
-    first = {}
-    coarse, dt = 10, 0.1e-3
-    for label, args in {
-        "": (dt, 4, 0.0),
-        "dt/2, same contact time": (0.5 * dt, 8, 0.0),
-        "dt/2, half of it": (0.5 * dt, 4, 0.0),
-        "8 contact steps": (dt, 8, 0.0),
-        "offset 0.25 h": (dt, 4, 0.25),
-        "offset 0.5 h": (dt, 4, 0.5),
-    }.items():
-        tell(f"{coarse} cells a diameter, {label or 'dt 0.1 ms, 4 contact steps'}")
-        first[label] = peaks(*bounces(coarse, args[0], args[1], args[2], 0.05)[:2])[0]
-        change = first[label] / first[""] - 1.0
-        yield Row(
-            f"rebound 1, {coarse} cells/d, {label or 'dt 0.1 ms, 4 steps'}"
-            + (f" ({100 * change:+.1f} %)" if label else ""),
-            1e3 * first[label],
-            1e3 * measured[0],
-            None,
-            "mm",
-            SOURCE,
-        )
+    yield from _dependence(tell)
     yield Chart(
         "rebound",
         "Rebound of a steel sphere in oil, St 152",
