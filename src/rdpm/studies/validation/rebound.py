@@ -34,7 +34,7 @@ AFTER, AFTER_FIRST = 0.15, 0.05
 PEAK_BANDS = (0.05, 0.10)
 
 #: Cells a diameter, step [s], contact steps and start [diameters] of the runs that are varied; their bands.
-VARIED = (16, 0.02e-3, 16, 5.5)
+VARIED = (12, 0.025e-3, 12, 5.5)
 PLACE_BAND, STEP_BAND, CONTACT_BAND = 0.05, 0.03, 0.05
 
 
@@ -127,14 +127,14 @@ def _dependence(tell: Tell) -> Iterator[Row]:
     yield row("five places in a cell, highest", max(places), PLACE_BAND)
     tell("half the step")
     yield row("half the step, the same contact time", _first_peak(across, 0.5 * step, 2 * steps, 0.0, wake), STEP_BAND)
-    for other, dt in ((8, step), (30, 16 / 30 * step)):
+    for other, dt in ((8, step), (30, 12 / 30 * step)):
         tell(f"{other} contact steps")
         what = f"{other} contact steps of {1e3 * dt:.3g} ms"
         yield row(what, _first_peak(across, dt, other, 0.0, wake), CONTACT_BAND)
 
 
 def rebound(quick: bool, tell: Tell) -> Found:
-    """Heights of two rebounds at 16 cells a diameter, and what place, step and contact time change in the first."""
+    """Heights of three rebounds at 16 cells a diameter; what place, step and contact time change in the first at 12."""
     time, gap = points("gondret_2002", "time_s", "gap_m")
     measured = peaks(time, gap)
     across, step, steps = (10, 0.05e-3, 8) if quick else (16, 0.02e-3, 16)
