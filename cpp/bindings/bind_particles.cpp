@@ -29,14 +29,10 @@ double* field(const Grid& g, const Values& array, const char* name) {
 struct Markers {
     StencilSet set;
 
-    Markers(const Grid& g, const Indices& first) {
-        const int bodies = static_cast<int>(first.shape(0)) - 1;
-        const std::int32_t* f = checked(first, "first", {bodies + 1});
-        set.first.assign(f, f + bodies + 1);
-        set.marker.resize(f[bodies]);
-        set.lowest.resize(bodies);
-        set.highest.resize(bodies);
-        set.below.resize(g.nz() + 3);
+    Markers(const Grid& g, const Indices& first) : set(g, checked(first, "first", {-1}), last_of(first)) {}
+    static int last_of(const Indices& first) {
+        if (first.size() == 0) throw std::invalid_argument("first: needs one more than bodies");
+        return static_cast<int>(first.shape(0)) - 1;
     }
     void place_at(const Grid& g, const Values& position) {
         const double* x = checked(position, "marker position", {set.count(), 3});

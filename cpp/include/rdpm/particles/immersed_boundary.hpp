@@ -1,13 +1,15 @@
 // Markers and grid: interpolation and spreading, exact adjoints, and the sums over each body's markers.
 //
-// A marker's stencils are made once a step: away from the sides three weights a direction and the place of
-// the first point, beside them the folded ones. Spreading is shared by planes: markers are visited in the
-// order of their plane, every thread adds only to the planes it owns, so no two threads touch a value and the
-// order of a sum is fixed.
+// Markers are ordered by the plane and the row they lie in, whatever body they belong to: the fields then stream
+// through the cache, which matters more than arithmetic where bodies are many. A marker away from the sides is kept as
+// the place of its nearest centre and its distance from it, and its weights are found again at each use: that is less
+// than reading them. Beside the sides the stencils are folded, and kept. In spreading every thread adds only to the
+// planes it owns, so no two threads touch a value and the order of a sum is fixed.
 #pragma once
 #include <omp.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <vector>
@@ -21,88 +23,131 @@ namespace rdpm {
 // needs faces along c and centres elsewhere; at a side the sign depends on the component only through c == d.
 struct FoldedStencils {
     Stencil centre_of[3], face_of[3];
+    std::int32_t marker;
     const Stencil& along(int d, int component) const { return d == component ? face_of[d] : centre_of[d]; }
 };
 
-struct MarkerStencils {
-    double weight[2][3][3];    // [at centres, on faces][direction][point]
-    std::int32_t first[3];     // offset of the first point, of each component
-    std::int32_t plane, face;  // z index of the nearest centre, and of the first face
-    std::int32_t folded;       // place in the list of folded stencils, or -1
+struct InnerMarker {
+    double from_centre[3];  // [cells], -0.5 to 0.5
+    std::int32_t first;     // offset of the first of the 27 centres
+    std::int32_t marker;
 };
 
 struct StencilSet {
-    std::vector<MarkerStencils> marker;
+    std::vector<InnerMarker> inner;  // by plane, by row
     std::vector<FoldedStencils> folded;
-    std::vector<std::int32_t> first;            // markers first[b] to first[b + 1] belong to body b
-    std::vector<std::int32_t> lowest, highest;  // planes a body's markers reach
-    std::vector<std::int32_t> below;            // markers in planes below each plane
-    int count() const { return static_cast<int>(marker.size()); }
+    std::vector<std::int32_t> first;  // markers first[b] to first[b + 1] belong to body b
+    std::vector<std::int32_t> row;    // of each marker, counted through all planes; -1 if folded
+    std::vector<std::int32_t> begin;  // of each such row in `inner`, and one more
+
+    StencilSet(const Grid& g, const std::int32_t* of_body, int bodies)
+        : first(of_body, of_body + bodies + 1), row(first.back()), begin(rows(g) + 2) {
+        inner.reserve(row.size());
+    }
+    static std::size_t rows(const Grid& g) { return static_cast<std::size_t>(g.nz() + 2) * (g.ny() + 2); }
+    int count() const { return static_cast<int>(row.size()); }
+    // The first marker of plane k in `inner`.
+    int begin_of(const Grid& g, int k) const { return begin[static_cast<std::size_t>(k) * (g.ny() + 2)]; }
 };
 
 // Four neighbouring doubles at once; the fourth enters with weight zero.
 typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));
 
-inline Four three(const double* w) {
-    return Four{w[0], w[1], w[2], 0.0};
-}
+// Weights of a few inner markers at a time: [direction][marker], at centres and, three further on, on faces.
+struct Weights {
+    static constexpr int most = 16;
+    double low[6 * most], middle[6 * most], high[6 * most];
 
-inline bool make_stencils(const Grid& g, const double* x, MarkerStencils& out) {
-    bool inside = true;
-    int nearest[2][3];
-    for (int d = 0; d < 3; ++d)
-        for (int on_face = 0; on_face < 2; ++on_face) {
-            const double s = x[d] / g.spacing[d] + (on_face ? 0.0 : 0.5);
-            const int middle = static_cast<int>(std::floor(s + 0.5));
-            nearest[on_face][d] = middle;
-            roma_weights(s, middle, out.weight[on_face][d]);
-            // one point further on is read, with weight zero; faces at and beyond a side are folded
-            inside = inside && middle >= 2 && middle < g.cells[d] - 1;
-        }
-    const auto row = static_cast<std::int32_t>(g.row()), plane = static_cast<std::int32_t>(g.plane());
-    for (int c = 0; c < 3; ++c)
-        out.first[c] =
-            (nearest[c == 2][2] - 1) * plane + (nearest[c == 1][1] - 1) * row + nearest[c == 0][0] - 1;
-    out.plane = std::clamp(nearest[0][2], 1, g.nz());
-    out.face = nearest[1][2] - 1;
-    out.folded = -1;
-    return inside;
-}
-
-// Stencils of all markers, and the planes that each body reaches.
-inline void place(const Grid& g, const double* position, StencilSet& set) {
-    const int markers = set.count(), bodies = static_cast<int>(set.first.size()) - 1;
-#pragma omp parallel for num_threads(g.threads) schedule(static) if (markers > 256)
-    for (int m = 0; m < markers; ++m)
-        if (!make_stencils(g, position + 3 * m, set.marker[m])) set.marker[m].folded = 0;
-    set.folded.clear();
-    std::fill(set.below.begin(), set.below.end(), 0);
-    for (int b = 0; b < bodies; ++b) {
-        set.lowest[b] = g.nz();
-        set.highest[b] = 1;
-        for (int m = set.first[b]; m < set.first[b + 1]; ++m) {
-            MarkerStencils& s = set.marker[m];
-            ++set.below[s.plane + 1];
-            if (s.folded < 0) {
-                set.lowest[b] = std::min(set.lowest[b], s.plane - 2);
-                set.highest[b] = std::max(set.highest[b], s.plane + 1);
-                continue;
-            }
-            s.folded = static_cast<std::int32_t>(set.folded.size());
-            FoldedStencils all;
+    void find(const InnerMarker* marker, int count) {
+        double r[6 * most] = {};
+        for (int n = 0; n < count; ++n)
             for (int d = 0; d < 3; ++d) {
-                all.centre_of[d] = stencil_along(g, d, position[3 * m + d], d == 0 ? face_y : face_x);
-                all.face_of[d] = stencil_along(g, d, position[3 * m + d], d);
+                const double x = marker[n].from_centre[d];
+                r[d * most + n] = x;
+                r[(3 + d) * most + n] = x - std::copysign(0.5, x);
             }
-            for (const Stencil& z : {all.centre_of[2], all.face_of[2]})
-                for (int k : z.index) {
-                    set.lowest[b] = std::min(set.lowest[b], k);
-                    set.highest[b] = std::max(set.highest[b], k);
-                }
-            set.folded.push_back(all);
+#pragma omp simd
+        for (int n = 0; n < 6 * most; ++n) {
+            const double x = r[n], m = (1.0 + std::sqrt(1.0 - 3.0 * x * x)) * (1.0 / 3.0);
+            middle[n] = m;
+            low[n] = 0.5 * (1.0 - m - x);
+            high[n] = 0.5 * (1.0 - m + x);
         }
     }
-    for (int k = 0; k < g.nz() + 2; ++k) set.below[k + 1] += set.below[k];
+};
+
+// Along one direction, of the component whose faces lie across `component`.
+template <int component>
+constexpr int weights_along(int direction) {
+    return Weights::most * (direction == component ? 3 + direction : direction);
+}
+
+// The first of a marker's 27 points of a component: below the nearest centre the nearest face is one before.
+template <int component>
+inline std::ptrdiff_t first_point(const InnerMarker& m, std::size_t row, std::size_t plane) {
+    const std::size_t stride = component == 0 ? 1 : component == 1 ? row : plane;
+    return m.first - static_cast<std::ptrdiff_t>(stride & -static_cast<std::size_t>(std::signbit(m.from_centre[component])));
+}
+
+// Row of the nearest centre, counted through all planes, or -1 beside a side.
+inline std::int32_t inner_row(const Grid& g, const double* x) {
+    int middle[3];
+    bool inside = true;
+    for (int d = 0; d < 3; ++d) {
+        middle[d] = static_cast<int>(std::floor(x[d] / g.spacing[d] + 1.0));
+        // the nearest face may be one before; one point further on is read, with weight zero
+        inside = inside && middle[d] >= 3 && middle[d] < g.cells[d] - 1;
+    }
+    return inside ? middle[2] * (g.ny() + 2) + middle[1] : -1;
+}
+
+inline void fold(const Grid& g, const double* x, FoldedStencils& out) {
+    for (int d = 0; d < 3; ++d) {
+        out.centre_of[d] = stencil_along(g, d, x[d], d == 0 ? face_y : face_x);
+        out.face_of[d] = stencil_along(g, d, x[d], d);
+    }
+}
+
+// Order and stencils of all markers.
+inline void place(const Grid& g, const double* position, StencilSet& set) {
+    const int markers = set.count();
+    const auto row = static_cast<std::int32_t>(g.row()), plane = static_cast<std::int32_t>(g.plane());
+#pragma omp parallel for num_threads(g.threads) schedule(static) if (markers > 256)
+    for (int m = 0; m < markers; ++m) set.row[m] = inner_row(g, position + 3 * m);
+
+    // begin[r + 1] counts, then moves from the begin of row r to its end while the markers are put in.
+    std::fill(set.begin.begin(), set.begin.end(), 0);
+    std::size_t folded = 0;
+    for (int m = 0; m < markers; ++m) ++(set.row[m] < 0 ? set.begin[0] : set.begin[set.row[m] + 2]);
+    folded = set.begin[0];
+    set.begin[0] = 0;
+    for (std::size_t r = 2; r < set.begin.size(); ++r) set.begin[r] += set.begin[r - 1];
+    set.inner.resize(markers - folded);
+    set.folded.resize(folded);
+    folded = 0;
+    for (int m = 0; m < markers; ++m)
+        if (set.row[m] < 0)
+            set.folded[folded++].marker = m;
+        else
+            set.inner[set.begin[set.row[m] + 1]++].marker = m;
+
+#pragma omp parallel num_threads(g.threads) if (markers > 256)
+    {
+#pragma omp for schedule(static) nowait
+        for (std::size_t n = 0; n < set.inner.size(); ++n) {
+            InnerMarker& s = set.inner[n];
+            int middle[3];
+            for (int d = 0; d < 3; ++d) {
+                const double at = position[3 * s.marker + d] / g.spacing[d];
+                middle[d] = static_cast<int>(std::floor(at + 1.0));
+                s.from_centre[d] = at + 0.5 - middle[d];
+            }
+            s.first = (middle[2] - 1) * plane + (middle[1] - 1) * row + middle[0] - 1;
+        }
+#pragma omp for schedule(static)
+        for (std::size_t n = 0; n < set.folded.size(); ++n)
+            fold(g, position + 3 * set.folded[n].marker, set.folded[n]);
+    }
 }
 
 // What moving walls add to the interpolated component: the folded weights times the walls' speed.
@@ -132,49 +177,46 @@ inline double interpolate_folded(const Grid& g, const double* q, const FoldedSte
     return sum + wall_part(g, s, component);
 }
 
-// The rows of a marker soon to come: the bodies' shells are too scattered for the processor to foresee.
-constexpr int prefetch_ahead = 6;
-
-inline void prefetch(const Grid& g, const VelocityArrays& q, const StencilSet& set, int m) {
-    if (m >= set.count() || set.marker[m].folded >= 0) return;
-    const double* field[3] = {q.u, q.v, q.w};
-    for (int component = 0; component < 3; ++component) {
-        const double* first = field[component] + set.marker[m].first[component];
-        for (int c = 0; c < 3; ++c)
-            for (int b = 0; b < 3; ++b) __builtin_prefetch(first + c * g.plane() + b * g.row());
-    }
-}
-
 // Known at compile time which direction is on faces: the 27 terms unroll.
 template <int component>
-inline double interpolate_inside(std::size_t row, std::size_t plane, const double* q,
-                                 const MarkerStencils& s) {
-    const double *x = s.weight[component == 0][0], *y = s.weight[component == 1][1],
-                 *z = s.weight[component == 2][2];
-    const double* p = q + s.first[component];
-    const auto at = [](const double* r) { return *reinterpret_cast<const Four*>(r); };
-    Four sum{};
-    for (int c = 0; c < 3; ++c, p += plane)
-        sum += z[c] * (y[0] * at(p) + y[1] * at(p + row) + y[2] * at(p + 2 * row));
-    return x[0] * sum[0] + x[1] * sum[1] + x[2] * sum[2];
+inline double interpolate_inner(std::size_t row, std::size_t plane, const double* q, const InnerMarker& m,
+                                const Weights& weights, int n) {
+    constexpr int x = weights_along<component>(0), y = weights_along<component>(1), z = weights_along<component>(2);
+    const double* p = q + first_point<component>(m, row, plane);
+    const double y_low = weights.low[y + n], y_middle = weights.middle[y + n], y_high = weights.high[y + n];
+    const auto in_plane = [&](const double* r) {
+        const auto at = [](const double* value) { return *reinterpret_cast<const Four*>(value); };
+        return y_low * at(r) + y_middle * at(r + row) + y_high * at(r + 2 * row);
+    };
+    const Four sum = weights.low[z + n] * in_plane(p) + weights.middle[z + n] * in_plane(p + plane) +
+                     weights.high[z + n] * in_plane(p + 2 * plane);
+    return weights.low[x + n] * sum[0] + weights.middle[x + n] * sum[1] + weights.high[x + n] * sum[2];
 }
 
 // Velocity at the markers, (markers, 3).
 inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet& set, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
     const std::size_t row = g.row(), plane = g.plane();
-#pragma omp parallel for num_threads(g.threads) schedule(static) if (set.count() > 256)
-    for (int m = 0; m < set.count(); ++m) {
-        const MarkerStencils& s = set.marker[m];
-        prefetch(g, q, set, m + prefetch_ahead);
-        if (s.folded < 0) {
-            out[3 * m] = interpolate_inside<0>(row, plane, q.u, s);
-            out[3 * m + 1] = interpolate_inside<1>(row, plane, q.v, s);
-            out[3 * m + 2] = interpolate_inside<2>(row, plane, q.w, s);
-        } else {
-            for (int c = 0; c < 3; ++c)
-                out[3 * m + c] = interpolate_folded(g, field[c], set.folded[s.folded], c);
+    const int inner = static_cast<int>(set.inner.size()), folded = static_cast<int>(set.folded.size());
+#pragma omp parallel num_threads(g.threads) if (set.count() > 256)
+    {
+#pragma omp for schedule(static) nowait
+        for (int begin = 0; begin < inner; begin += Weights::most) {
+            const InnerMarker* marker = set.inner.data() + begin;
+            const int count = std::min(Weights::most, inner - begin);
+            Weights weights;
+            weights.find(marker, count);
+            for (int n = 0; n < count; ++n) {
+                double* value = out + 3 * marker[n].marker;
+                value[0] = interpolate_inner<0>(row, plane, q.u, marker[n], weights, n);
+                value[1] = interpolate_inner<1>(row, plane, q.v, marker[n], weights, n);
+                value[2] = interpolate_inner<2>(row, plane, q.w, marker[n], weights, n);
+            }
         }
+#pragma omp for schedule(static)
+        for (int n = 0; n < folded; ++n)
+            for (int c = 0; c < 3; ++c)
+                out[3 * set.folded[n].marker + c] = interpolate_folded(g, field[c], set.folded[n], c);
     }
 }
 
@@ -192,20 +234,49 @@ inline void spread_folded(const Grid& g, double* q, const FoldedStencils& s, int
     }
 }
 
-template <int component>
-inline void spread_inside(std::size_t row, std::size_t plane, double* q, const MarkerStencils& s,
-                          double strength, int first, int last) {
-    const double *y = s.weight[component == 1][1], *z = s.weight[component == 2][2];
-    const Four x = strength * three(s.weight[component == 0][0]);
-    double* p = q + s.first[component];
-    const int lowest = component == face_z ? s.face : s.plane - 1;
+// `lowest`: plane of the first of the marker's centres.
+template <int component, bool bounded>
+inline void spread_inner(std::size_t row, std::size_t plane, double* q, const InnerMarker& m,
+                         const Weights& weights, int n, double strength, int lowest, int first, int last) {
+    constexpr int x = weights_along<component>(0), y = weights_along<component>(1), z = weights_along<component>(2);
+    const Four along_x =
+        strength * Four{weights.low[x + n], weights.middle[x + n], weights.high[x + n], 0.0};
+    double* p = q + first_point<component>(m, row, plane);
+    if (component == face_z) lowest -= std::signbit(m.from_centre[2]);
+    const double in_z[3] = {weights.low[z + n], weights.middle[z + n], weights.high[z + n]};
+    const double y_low = weights.low[y + n], y_middle = weights.middle[y + n], y_high = weights.high[y + n];
     const auto at = [](double* r) -> Four& { return *reinterpret_cast<Four*>(r); };
     for (int c = 0; c < 3; ++c, p += plane) {
-        if (lowest + c < first || lowest + c >= last) continue;
-        const Four f = z[c] * x;
-        at(p) += y[0] * f;
-        at(p + row) += y[1] * f;
-        at(p + 2 * row) += y[2] * f;
+        if (bounded && (lowest + c < first || lowest + c >= last)) continue;
+        const Four f = in_z[c] * along_x;
+        at(p) += y_low * f;
+        at(p + row) += y_middle * f;
+        at(p + 2 * row) += y_high * f;
+    }
+}
+
+struct Source {
+    const double *value, *volume;  // (markers, 3), (markers)
+    double factor;
+};
+
+// What the inner markers whose nearest centre is in plane k give to the planes [first, last).
+template <bool bounded>
+inline void spread_from_plane(const Grid& g, const VelocityArrays& q, const StencilSet& set, const Source& source,
+                              int k, int first, int last) {
+    const std::size_t row = g.row(), plane = g.plane();
+    for (int begin = set.begin_of(g, k), end = set.begin_of(g, k + 1); begin < end; begin += Weights::most) {
+        const InnerMarker* marker = set.inner.data() + begin;
+        const int count = std::min(Weights::most, end - begin);
+        Weights weights;
+        weights.find(marker, count);
+        for (int n = 0; n < count; ++n) {
+            const InnerMarker& m = marker[n];
+            const double *f = source.value + 3 * m.marker, strength = source.factor * source.volume[m.marker];
+            spread_inner<0, bounded>(row, plane, q.u, m, weights, n, strength * f[0], k - 1, first, last);
+            spread_inner<1, bounded>(row, plane, q.v, m, weights, n, strength * f[1], k - 1, first, last);
+            spread_inner<2, bounded>(row, plane, q.w, m, weights, n, strength * f[2], k - 1, first, last);
+        }
     }
 }
 
@@ -213,38 +284,31 @@ inline void spread_inside(std::size_t row, std::size_t plane, double* q, const M
 inline void spread(const Grid& g, const VelocityArrays& q, const StencilSet& set, const double* value,
                    const double* volume, double factor) {
     double* field[3] = {q.u, q.v, q.w};
-    const double per_cell = factor / g.volume();
-    const std::size_t row = g.row(), plane = g.plane();
-    const int markers = set.count(), nz = g.nz();
-    const int threads = markers > 256 ? std::min(g.threads, nz) : 1;
+    const Source source{value, volume, factor / g.volume()};
+    const int nz = g.nz();
+    const auto inner = static_cast<long>(set.inner.size());
+    const int threads = set.count() > 256 ? std::min(g.threads, nz) : 1;
 #pragma omp parallel num_threads(threads)
     {
         const int team = omp_get_num_threads(), me = omp_get_thread_num();
         // Equal numbers of markers, cut between planes.
         const auto cut = [&](int t) {
-            if (t == 0) return 1;
             if (t == team) return nz + 1;
-            const auto share = static_cast<std::int32_t>(static_cast<long>(markers) * t / team);
-            return static_cast<int>(std::upper_bound(set.below.begin(), set.below.end(), share) -
-                                    set.below.begin() - 1);
+            int k = 1;
+            while (k <= nz && set.begin_of(g, k) < inner * t / team) ++k;
+            return t == 0 ? 1 : k;
         };
         const int first = cut(me), last = cut(me + 1);
-        for (int b = 0; b + 1 < static_cast<int>(set.first.size()); ++b) {
-            if (set.highest[b] < first || set.lowest[b] >= last) continue;
-            for (int m = set.first[b]; m < set.first[b + 1]; ++m) {
-                const MarkerStencils& s = set.marker[m];
-                prefetch(g, q, set, m + prefetch_ahead);
-                const double strength = per_cell * volume[m];
-                const double* f = value + 3 * m;
-                if (s.folded < 0) {
-                    spread_inside<0>(row, plane, q.u, s, strength * f[0], first, last);
-                    spread_inside<1>(row, plane, q.v, s, strength * f[1], first, last);
-                    spread_inside<2>(row, plane, q.w, s, strength * f[2], first, last);
-                } else {
-                    for (int c = 0; c < 3; ++c)
-                        spread_folded(g, field[c], set.folded[s.folded], c, strength * f[c], first, last);
-                }
-            }
+        for (int k = std::max(first - 1, 1); k < std::min(last + 2, nz + 1); ++k) {
+            if (k - 2 >= first && k + 1 < last)
+                spread_from_plane<false>(g, q, set, source, k, first, last);
+            else
+                spread_from_plane<true>(g, q, set, source, k, first, last);
+        }
+        for (const FoldedStencils& s : set.folded) {
+            const double strength = source.factor * volume[s.marker];
+            for (int c = 0; c < 3; ++c)
+                spread_folded(g, field[c], s, c, strength * value[3 * s.marker + c], first, last);
         }
     }
 }
