@@ -112,10 +112,11 @@ void bind_particles(nb::module_& module) {
         marker_moments(bodies, f, r, dv, threads, moments);
     });
     module.def(
-        "distance_to_others",
+        "stand_back",
         [](const std::array<double, 3>& size, const std::array<bool, 3>& is_periodic,
-           const std::array<bool, 3>& is_solid, const Indices& pairs, const Indices& first,
-           const Values& marker, const Values& centre, const Values& radius, int threads, const Values& out) {
+           const std::array<bool, 3>& is_solid, const std::array<double, 4>& retreat, const Indices& pairs,
+           const Indices& first, const Values& marker, const Values& centre, const Values& radius,
+           const Values& full, int threads, const Values& volume) {
             const int bodies = static_cast<int>(first.shape(0)) - 1, n_pairs = static_cast<int>(pairs.shape(0));
             const std::int32_t* f = checked(first, "first", {bodies + 1});
             const int n = f[bodies];
@@ -125,10 +126,11 @@ void bind_particles(nb::module_& module) {
                                 checked(pairs, "pairs", {n_pairs, 2}),
                                 n_pairs};
             const double *x = checked(marker, "marker", {n, 3}), *c = checked(centre, "centre", {bodies, 3}),
-                         *a = checked(radius, "radius", {bodies});
-            double* distance = checked(out, "distance", {n});
+                         *a = checked(radius, "radius", {bodies}), *whole = checked(full, "full volume", {n});
+            double* kept = checked(volume, "volume", {n});
             nb::gil_scoped_release released;
-            distance_to_others(around, bodies, f, x, c, a, threads, distance);
+            stand_back(around, {retreat[0], retreat[1], retreat[2], retreat[3]}, bodies, f, x, c, a, whole,
+                       threads, kept);
         });
     module.def("inner_motion", [](const Grid& g, const Values& u, const Values& v, const Values& w,
                                   const Values& position, const Values& radius, const Values& out) {

@@ -114,7 +114,7 @@ class RigidMotion:
 
     def kept_force(self) -> Floats:
         """Sum over all bodies of the kept forces on the fluid, (3,) [N]."""
-        force: Floats = self.fluid.density * (self.markers.volume @ self.markers.force)
+        force: Floats = self.fluid.density * self.markers.sums(self.markers.force)[:, :3].sum(axis=0)
         return force
 
     def inner_momentum(self) -> Floats:
@@ -169,7 +169,7 @@ class RigidMotion:
             change = markers.force_rigid(bodies, dt)
             total += density * markers.sums(change)
             markers.spread(self.fluid.velocity, change, 1.0)
-        self.slip = float(np.sqrt(np.mean(change**2) * 3.0)) if len(markers) else 0.0
+        self.slip = float(np.sqrt(np.einsum("mc,mc->", change, change) / len(markers))) if len(markers) else 0.0
         markers.keep_force(bodies, self.kept_share(dt))
         self._foreseen = predicted + self._share * total
         fluid_on_body = (self._foreseen - self.inner + self.missed - given - total) / dt

@@ -258,6 +258,12 @@ inline void spread_inner(std::size_t row, std::size_t plane, double* q, const In
 struct Source {
     const double *value, *volume;  // (markers, 3), (markers)
     double factor;
+
+    void prefetch(int marker) const {
+        __builtin_prefetch(value + 3 * marker);
+        __builtin_prefetch(value + 3 * marker + 2);
+        __builtin_prefetch(volume + marker);
+    }
 };
 
 // What the inner markers whose nearest centre is in plane k give to the planes [first, last).
@@ -272,6 +278,7 @@ inline void spread_from_plane(const Grid& g, const VelocityArrays& q, const Sten
         weights.find(marker, count);
         for (int n = 0; n < count; ++n) {
             const InnerMarker& m = marker[n];
+            source.prefetch(set.inner[std::min(begin + n + 12, end - 1)].marker);
             const double *f = source.value + 3 * m.marker, strength = source.factor * source.volume[m.marker];
             spread_inner<0, bounded>(row, plane, q.u, m, weights, n, strength * f[0], k - 1, first, last);
             spread_inner<1, bounded>(row, plane, q.v, m, weights, n, strength * f[1], k - 1, first, last);
