@@ -3,7 +3,8 @@
 // Markers are ordered by the plane and the row they lie in, whatever body they belong to: the fields then stream
 // through the cache, which matters more than arithmetic where bodies are many. A marker away from the sides is kept as
 // the place of its nearest centre and its distance from it, and its weights are found again at each use: that is less
-// than reading them. Beside the sides the stencils are folded, and kept. In spreading every thread adds only to the
+// than reading them; across a periodic side its points are wrapped. Beside the other sides the stencils are folded, and
+// kept. In spreading every thread adds only to the
 // planes it owns, so no two threads touch a value and the order of a sum is fixed.
 #pragma once
 #include <omp.h>
@@ -29,8 +30,9 @@ struct FoldedStencils {
 
 struct InnerMarker {
     double from_centre[3];  // [cells], -0.5 to 0.5
-    std::int32_t first;     // offset of the first of the 27 centres
+    std::int32_t first;     // offset of the first of the 27 centres; its complement where points are wrapped
     std::int32_t marker;
+    bool is_wrapped() const { return first < 0; }
 };
 
 struct StencilSet {
@@ -89,16 +91,23 @@ inline std::ptrdiff_t first_point(const InnerMarker& m, std::size_t row, std::si
     return m.first - static_cast<std::ptrdiff_t>(stride & -static_cast<std::size_t>(std::signbit(m.from_centre[component])));
 }
 
-// Row of the nearest centre, counted through all planes, or -1 beside a side.
-inline std::int32_t inner_row(const Grid& g, const double* x) {
-    int middle[3];
-    bool inside = true;
+enum class Place { inside, wrapped, folded };
+
+// The nearest centre, wrapped into the box, and the marker's distance from it in cells.
+inline Place locate(const Grid& g, const double* x, int* middle, double* from_centre) {
+    Place place = Place::inside;
     for (int d = 0; d < 3; ++d) {
-        middle[d] = static_cast<int>(std::floor(x[d] / g.spacing[d] + 1.0));
-        // the nearest face may be one before; one point further on is read, with weight zero
-        inside = inside && middle[d] >= 3 && middle[d] < g.cells[d] - 1;
+        const double at = x[d] / g.spacing[d];
+        const int nearest = static_cast<int>(std::floor(at + 1.0)), n = g.cells[d];
+        from_centre[d] = at + 0.5 - nearest;
+        middle[d] = nearest;
+        // The nearest face may be one before; one point further on is read, with weight zero.
+        if (nearest >= 3 && nearest < n - 1) continue;
+        if (g.boundary[d] != periodic) return Place::folded;
+        place = Place::wrapped;
+        middle[d] = ((nearest - 1) % n + n) % n + 1;
     }
-    return inside ? middle[2] * (g.ny() + 2) + middle[1] : -1;
+    return place;
 }
 
 inline void fold(const Grid& g, const double* x, FoldedStencils& out) {
@@ -113,7 +122,12 @@ inline void place(const Grid& g, const double* position, StencilSet& set) {
     const int markers = set.count();
     const auto row = static_cast<std::int32_t>(g.row()), plane = static_cast<std::int32_t>(g.plane());
 #pragma omp parallel for num_threads(g.threads) schedule(static) if (markers > 256)
-    for (int m = 0; m < markers; ++m) set.row[m] = inner_row(g, position + 3 * m);
+    for (int m = 0; m < markers; ++m) {
+        int middle[3] = {};
+        double from_centre[3];
+        const bool folded = locate(g, position + 3 * m, middle, from_centre) == Place::folded;
+        set.row[m] = folded ? -1 : middle[2] * (g.ny() + 2) + middle[1];
+    }
 
     // begin[r + 1] counts, then moves from the begin of row r to its end while the markers are put in.
     std::fill(set.begin.begin(), set.begin.end(), 0);
@@ -136,13 +150,10 @@ inline void place(const Grid& g, const double* position, StencilSet& set) {
 #pragma omp for schedule(static) nowait
         for (std::size_t n = 0; n < set.inner.size(); ++n) {
             InnerMarker& s = set.inner[n];
-            int middle[3];
-            for (int d = 0; d < 3; ++d) {
-                const double at = position[3 * s.marker + d] / g.spacing[d];
-                middle[d] = static_cast<int>(std::floor(at + 1.0));
-                s.from_centre[d] = at + 0.5 - middle[d];
-            }
+            int middle[3] = {};
+            const Place place = locate(g, position + 3 * s.marker, middle, s.from_centre);
             s.first = (middle[2] - 1) * plane + (middle[1] - 1) * row + middle[0] - 1;
+            if (place == Place::wrapped) s.first = ~s.first;
         }
 #pragma omp for schedule(static)
         for (std::size_t n = 0; n < set.folded.size(); ++n)
@@ -177,6 +188,69 @@ inline double interpolate_folded(const Grid& g, const double* q, const FoldedSte
     return sum + wall_part(g, s, component);
 }
 
+// The nine rows of 27 points of a component about a marker beside a periodic side.
+struct WrappedPoints {
+    std::ptrdiff_t row[3][3];  // offset of its first cell; [plane][row]
+    int plane[3], x[3];
+    bool is_whole;  // three neighbours in memory
+
+    // `nearest`: the nearest centre.
+    WrappedPoints(const Grid& g, const InnerMarker& m, const int* nearest, int component) {
+        int y[3];
+        int* index[3] = {x, y, plane};
+        for (int d = 0; d < 3; ++d) {
+            const int n = g.cells[d], low = nearest[d] - 1 - (d == component && std::signbit(m.from_centre[d]));
+            for (int a = 0; a < 3; ++a) index[d][a] = low + a < 1 ? low + a + n : low + a > n ? low + a - n : low + a;
+        }
+        for (int c = 0; c < 3; ++c)
+            for (int b = 0; b < 3; ++b)
+                row[c][b] = static_cast<std::ptrdiff_t>(plane[c] * g.plane() + y[b] * g.row());
+        is_whole = x[2] == x[0] + 2;
+    }
+};
+
+struct PointWeights {
+    double x[3], y[3], z[3];
+
+    PointWeights(const Weights& all, int component, int n) {
+        double* out[3] = {x, y, z};
+        for (int d = 0; d < 3; ++d) {
+            const int at = Weights::most * (d == component ? 3 + d : d) + n;
+            out[d][0] = all.low[at];
+            out[d][1] = all.middle[at];
+            out[d][2] = all.high[at];
+        }
+    }
+};
+
+inline void nearest_centre(const Grid& g, const InnerMarker& m, int* nearest) {
+    const int first = ~m.first, row = static_cast<int>(g.row()), plane = static_cast<int>(g.plane());
+    const int k = first / plane, j = (first - k * plane) / row;
+    nearest[0] = first - k * plane - j * row + 1;
+    nearest[1] = j + 1;
+    nearest[2] = k + 1;
+}
+
+inline void interpolate_wrapped(const Grid& g, const VelocityArrays& q, const InnerMarker& m, const Weights& weights,
+                                int n, double* out) {
+    const double* field[3] = {q.u, q.v, q.w};
+    int nearest[3];
+    nearest_centre(g, m, nearest);
+    for (int component = 0; component < 3; ++component) {
+        const WrappedPoints at(g, m, nearest, component);
+        const PointWeights w(weights, component, n);
+        Four sum{};
+        for (int c = 0; c < 3; ++c)
+            for (int b = 0; b < 3; ++b) {
+                const double* r = field[component] + at.row[c][b];
+                sum += w.z[c] * w.y[b] *
+                       (at.is_whole ? *reinterpret_cast<const Four*>(r + at.x[0])
+                                    : Four{r[at.x[0]], r[at.x[1]], r[at.x[2]], 0.0});
+            }
+        out[component] = w.x[0] * sum[0] + w.x[1] * sum[1] + w.x[2] * sum[2];
+    }
+}
+
 // Known at compile time which direction is on faces: the 27 terms unroll.
 template <int component>
 inline double interpolate_inner(std::size_t row, std::size_t plane, const double* q, const InnerMarker& m,
@@ -208,6 +282,10 @@ inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet
             weights.find(marker, count);
             for (int n = 0; n < count; ++n) {
                 double* value = out + 3 * marker[n].marker;
+                if (marker[n].is_wrapped()) {
+                    interpolate_wrapped(g, q, marker[n], weights, n, value);
+                    continue;
+                }
                 value[0] = interpolate_inner<0>(row, plane, q.u, marker[n], weights, n);
                 value[1] = interpolate_inner<1>(row, plane, q.v, marker[n], weights, n);
                 value[2] = interpolate_inner<2>(row, plane, q.w, marker[n], weights, n);
@@ -255,6 +333,30 @@ inline void spread_inner(std::size_t row, std::size_t plane, double* q, const In
     }
 }
 
+// What a marker gives to the planes [first, last).
+inline void spread_wrapped(const Grid& g, const VelocityArrays& q, const InnerMarker& m, const Weights& weights, int n,
+                           const double* value, double strength, int first, int last) {
+    double* field[3] = {q.u, q.v, q.w};
+    int nearest[3];
+    nearest_centre(g, m, nearest);
+    for (int component = 0; component < 3; ++component) {
+        const WrappedPoints at(g, m, nearest, component);
+        const PointWeights w(weights, component, n);
+        const Four along_x = strength * value[component] * Four{w.x[0], w.x[1], w.x[2], 0.0};
+        for (int c = 0; c < 3; ++c) {
+            if (at.plane[c] < first || at.plane[c] >= last) continue;
+            for (int b = 0; b < 3; ++b) {
+                double* r = field[component] + at.row[c][b];
+                const Four f = w.z[c] * w.y[b] * along_x;
+                if (at.is_whole)
+                    *reinterpret_cast<Four*>(r + at.x[0]) += f;
+                else
+                    for (int a = 0; a < 3; ++a) r[at.x[a]] += f[a];
+            }
+        }
+    }
+}
+
 struct Source {
     const double *value, *volume;  // (markers, 3), (markers)
     double factor;
@@ -280,6 +382,10 @@ inline void spread_from_plane(const Grid& g, const VelocityArrays& q, const Sten
             const InnerMarker& m = marker[n];
             source.prefetch(set.inner[std::min(begin + n + 12, end - 1)].marker);
             const double *f = source.value + 3 * m.marker, strength = source.factor * source.volume[m.marker];
+            if (m.is_wrapped()) {
+                spread_wrapped(g, q, m, weights, n, f, strength, first, last);
+                continue;
+            }
             spread_inner<0, bounded>(row, plane, q.u, m, weights, n, strength * f[0], k - 1, first, last);
             spread_inner<1, bounded>(row, plane, q.v, m, weights, n, strength * f[1], k - 1, first, last);
             spread_inner<2, bounded>(row, plane, q.w, m, weights, n, strength * f[2], k - 1, first, last);
@@ -306,7 +412,16 @@ inline void spread(const Grid& g, const VelocityArrays& q, const StencilSet& set
             return t == 0 ? 1 : k;
         };
         const int first = cut(me), last = cut(me + 1);
-        for (int k = std::max(first - 1, 1); k < std::min(last + 2, nz + 1); ++k) {
+        // Plane k gives to planes k - 2 to k + 1, beyond a periodic side to those at the other.
+        const auto reaches = [&](int k) {
+            for (int at = k - 2; at <= k + 1; ++at) {
+                const int wrapped = at < 1 ? at + nz : at > nz ? at - nz : at;
+                if (wrapped >= first && wrapped < last) return true;
+            }
+            return false;
+        };
+        for (int k = 1; k <= nz; ++k) {
+            if (!reaches(k)) continue;
             if (k - 2 >= first && k + 1 < last)
                 spread_from_plane<false>(g, q, set, source, k, first, last);
             else
