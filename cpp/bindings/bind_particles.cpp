@@ -111,27 +111,26 @@ void bind_particles(nb::module_& module) {
         nb::gil_scoped_release released;
         marker_moments(bodies, f, r, dv, threads, moments);
     });
-    module.def(
-        "stand_back",
-        [](const std::array<double, 3>& size, const std::array<bool, 3>& is_periodic,
-           const std::array<bool, 3>& is_solid, const std::array<double, 4>& retreat, const Indices& pairs,
-           const Indices& first, const Values& marker, const Values& centre, const Values& radius,
-           const Values& full, int threads, const Values& volume) {
-            const int bodies = static_cast<int>(first.shape(0)) - 1, n_pairs = static_cast<int>(pairs.shape(0));
-            const std::int32_t* f = checked(first, "first", {bodies + 1});
-            const int n = f[bodies];
-            Surroundings around{{size[0], size[1], size[2]},
-                                {is_periodic[0], is_periodic[1], is_periodic[2]},
-                                {is_solid[0], is_solid[1], is_solid[2]},
-                                checked(pairs, "pairs", {n_pairs, 2}),
-                                n_pairs};
-            const double *x = checked(marker, "marker", {n, 3}), *c = checked(centre, "centre", {bodies, 3}),
-                         *a = checked(radius, "radius", {bodies}), *whole = checked(full, "full volume", {n});
-            double* kept = checked(volume, "volume", {n});
-            nb::gil_scoped_release released;
-            stand_back(around, {retreat[0], retreat[1], retreat[2], retreat[3]}, bodies, f, x, c, a, whole,
-                       threads, kept);
-        });
+    module.def("stand_back", [](const std::array<double, 3>& size, const std::array<bool, 3>& is_periodic,
+                                const std::array<bool, 3>& is_solid, const std::array<double, 4>& retreat,
+                                const Indices& pairs, const Indices& first, const Values& marker,
+                                const Values& centre, const Values& radius, const Values& full, int threads,
+                                const Values& volume) {
+        const int bodies = static_cast<int>(first.shape(0)) - 1, n_pairs = static_cast<int>(pairs.shape(0));
+        const std::int32_t* f = checked(first, "first", {bodies + 1});
+        const int n = f[bodies];
+        Surroundings around{{size[0], size[1], size[2]},
+                            {is_periodic[0], is_periodic[1], is_periodic[2]},
+                            {is_solid[0], is_solid[1], is_solid[2]},
+                            checked(pairs, "pairs", {n_pairs, 2}),
+                            n_pairs};
+        const double *x = checked(marker, "marker", {n, 3}), *c = checked(centre, "centre", {bodies, 3}),
+                     *a = checked(radius, "radius", {bodies}), *whole = checked(full, "full volume", {n});
+        double* kept = checked(volume, "volume", {n});
+        nb::gil_scoped_release released;
+        stand_back(around, {retreat[0], retreat[1], retreat[2], retreat[3]}, bodies, f, x, c, a, whole,
+                   threads, kept);
+    });
     module.def("inner_motion", [](const Grid& g, const Values& u, const Values& v, const Values& w,
                                   const Values& position, const Values& radius, const Values& out) {
         const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};

@@ -63,7 +63,9 @@ class Projection {
           plane_cfl_(g.nz() + 2),
           plane_square_(g.nz() + 2) {}
 
-    std::size_t bytes() const { return solver_.bytes() + transform_.bytes() + 4 * carry_[0].size() * sizeof(double); }
+    std::size_t bytes() const {
+        return solver_.bytes() + transform_.bytes() + 4 * carry_[0].size() * sizeof(double);
+    }
 
     // u, v, w -> divergence-free; p += phi - rotational * div(u before); phi: the pressure increment
     // [m^2/s^2].

@@ -1,6 +1,7 @@
 // Transforms of one plane along x and y: cosines between walls, real Fourier across a periodic pair.
 //
-// A few rows or columns at a time are copied into vectors and transformed together by plans and in buffers made once.
+// A few rows or columns at a time are copied into vectors and transformed together by plans and in buffers
+// made once.
 #pragma once
 #include <omp.h>
 
@@ -51,7 +52,8 @@ class PlaneTransform {
         : row_(static_cast<std::ptrdiff_t>(g.row())),
           along_x_(g.nx(), g.boundary[0] == periodic),
           along_y_(g.ny(), g.boundary[1] == periodic) {
-        const std::size_t size = std::max(along_x_.length() + along_x_.buffer(), along_y_.length() + along_y_.buffer());
+        const std::size_t size =
+            std::max(along_x_.length() + along_x_.buffer(), along_y_.length() + along_y_.buffer());
         scratch_.assign(g.threads, std::vector<Lanes>(size));
     }
 
@@ -72,13 +74,15 @@ class PlaneTransform {
     }
     // Beyond the last column the halo and the next row are read, and not written.
     void columns(double* q, Lanes* lines, bool is_forward) {
-        const auto nx = static_cast<std::ptrdiff_t>(along_x_.length()), ny = static_cast<std::ptrdiff_t>(along_y_.length());
+        const auto nx = static_cast<std::ptrdiff_t>(along_x_.length()),
+                   ny = static_cast<std::ptrdiff_t>(along_y_.length());
         for (std::ptrdiff_t i = 0; i < nx; i += width) {
             for (std::ptrdiff_t j = 0; j < ny; ++j)
                 lines[j] = Lanes(q + j * row_ + i, ducc0::element_aligned_tag());
             const Lanes* result = along_y_.apply(lines, lines + ny, is_forward);
             if (i + width <= nx) {
-                for (std::ptrdiff_t j = 0; j < ny; ++j) result[j].copy_to(q + j * row_ + i, ducc0::element_aligned_tag());
+                for (std::ptrdiff_t j = 0; j < ny; ++j)
+                    result[j].copy_to(q + j * row_ + i, ducc0::element_aligned_tag());
             } else {
                 for (std::ptrdiff_t j = 0; j < ny; ++j)
                     for (std::ptrdiff_t n = 0; n < nx - i; ++n) q[j * row_ + i + n] = result[j][n];
@@ -87,7 +91,8 @@ class PlaneTransform {
     }
     // Beyond the last row nothing is read.
     void rows(double* q, Lanes* lines, bool is_forward) {
-        const auto nx = static_cast<std::ptrdiff_t>(along_x_.length()), ny = static_cast<std::ptrdiff_t>(along_y_.length());
+        const auto nx = static_cast<std::ptrdiff_t>(along_x_.length()),
+                   ny = static_cast<std::ptrdiff_t>(along_y_.length());
         for (std::ptrdiff_t j = 0; j < ny; j += width) {
             const std::ptrdiff_t count = std::min(width, ny - j);
             double* first = q + j * row_;

@@ -17,8 +17,8 @@ struct Surroundings {
     int n_pairs;
 };
 
-// What volume a marker keeps so far from another surface: `least` up to `near`, all from `far` on; inside the other
-// body less and less, and none `width` deep.
+// What volume a marker keeps so far from another surface: `least` up to `near`, all from `far` on; inside the
+// other body less and less, and none `width` deep.
 struct Retreat {
     double near, far, least, width;
 
@@ -28,7 +28,8 @@ struct Retreat {
     }
 };
 
-// The distance from each marker of body b to the nearest surface of its partners or sides; negative inside it.
+// The distance from each marker of body b to the nearest surface of its partners or sides; negative inside
+// it.
 inline void distance_to_partners(const Surroundings& around, int b, const std::int32_t* partner, int partners,
                                  const std::int32_t* first, const double* marker, const double* centre,
                                  const double* radius, double* out) {
@@ -59,9 +60,9 @@ inline void distance_to_partners(const Surroundings& around, int b, const std::i
 }
 
 // volume = full volume, less where a marker is close to another surface.
-inline void stand_back(const Surroundings& around, const Retreat& retreat, int bodies, const std::int32_t* first,
-                       const double* marker, const double* centre, const double* radius, const double* full,
-                       int threads, double* volume) {
+inline void stand_back(const Surroundings& around, const Retreat& retreat, int bodies,
+                       const std::int32_t* first, const double* marker, const double* centre,
+                       const double* radius, const double* full, int threads, double* volume) {
     // Partners of each body: pairs are stored once, needed both ways.
     std::vector<std::int32_t> begin(bodies + 1, 0), partner;
     const auto each_way = [&](auto&& visit) {
@@ -82,8 +83,8 @@ inline void stand_back(const Surroundings& around, const Retreat& retreat, int b
             std::copy(full + first[b], full + first[b + 1], volume + first[b]);
             continue;
         }
-        distance_to_partners(around, b, partner.data() + begin[b], begin[b + 1] - begin[b], first, marker, centre,
-                             radius, volume);
+        distance_to_partners(around, b, partner.data() + begin[b], begin[b + 1] - begin[b], first, marker,
+                             centre, radius, volume);
         for (int m = first[b]; m < first[b + 1]; ++m) volume[m] = full[m] * retreat.share(volume[m]);
     }
 }

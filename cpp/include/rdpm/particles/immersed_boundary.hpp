@@ -1,11 +1,11 @@
 // Markers and grid: interpolation and spreading, exact adjoints, and the sums over each body's markers.
 //
-// Markers are ordered by the plane and the row they lie in, whatever body they belong to: the fields then stream
-// through the cache, which matters more than arithmetic where bodies are many. A marker away from the sides is kept as
-// the place of its nearest centre and its distance from it, and its weights are found again at each use: that is less
-// than reading them; across a periodic side its points are wrapped. Beside the other sides the stencils are folded, and
-// kept. In spreading every thread adds only to the
-// planes it owns, so no two threads touch a value and the order of a sum is fixed.
+// Markers are ordered by the plane and the row they lie in, whatever body they belong to: the fields then
+// stream through the cache, which matters more than arithmetic where bodies are many. A marker away from the
+// sides is kept as the place of its nearest centre and its distance from it, and its weights are found again
+// at each use: that is less than reading them; across a periodic side its points are wrapped. Beside the
+// other sides the stencils are folded, and kept. In spreading every thread adds only to the planes it owns,
+// so no two threads touch a value and the order of a sum is fixed.
 #pragma once
 #include <omp.h>
 
@@ -48,6 +48,7 @@ struct StencilSet {
     }
     static std::size_t rows(const Grid& g) { return static_cast<std::size_t>(g.nz() + 2) * (g.ny() + 2); }
     int count() const { return static_cast<int>(row.size()); }
+    int count_inner() const { return static_cast<int>(inner.size()); }
     // The first marker of plane k in `inner`.
     int begin_of(const Grid& g, int k) const { return begin[static_cast<std::size_t>(k) * (g.ny() + 2)]; }
 };
@@ -88,7 +89,8 @@ constexpr int weights_along(int direction) {
 template <int component>
 inline std::ptrdiff_t first_point(const InnerMarker& m, std::size_t row, std::size_t plane) {
     const std::size_t stride = component == 0 ? 1 : component == 1 ? row : plane;
-    return m.first - static_cast<std::ptrdiff_t>(stride & -static_cast<std::size_t>(std::signbit(m.from_centre[component])));
+    return m.first - static_cast<std::ptrdiff_t>(
+                         stride & -static_cast<std::size_t>(std::signbit(m.from_centre[component])));
 }
 
 enum class Place { inside, wrapped, folded };
@@ -199,8 +201,10 @@ struct WrappedPoints {
         int y[3];
         int* index[3] = {x, y, plane};
         for (int d = 0; d < 3; ++d) {
-            const int n = g.cells[d], low = nearest[d] - 1 - (d == component && std::signbit(m.from_centre[d]));
-            for (int a = 0; a < 3; ++a) index[d][a] = low + a < 1 ? low + a + n : low + a > n ? low + a - n : low + a;
+            const int n = g.cells[d],
+                      low = nearest[d] - 1 - (d == component && std::signbit(m.from_centre[d]));
+            for (int a = 0; a < 3; ++a)
+                index[d][a] = low + a < 1 ? low + a + n : low + a > n ? low + a - n : low + a;
         }
         for (int c = 0; c < 3; ++c)
             for (int b = 0; b < 3; ++b)
@@ -231,8 +235,8 @@ inline void nearest_centre(const Grid& g, const InnerMarker& m, int* nearest) {
     nearest[2] = k + 1;
 }
 
-inline void interpolate_wrapped(const Grid& g, const VelocityArrays& q, const InnerMarker& m, const Weights& weights,
-                                int n, double* out) {
+inline void interpolate_wrapped(const Grid& g, const VelocityArrays& q, const InnerMarker& m,
+                                const Weights& weights, int n, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
     int nearest[3];
     nearest_centre(g, m, nearest);
@@ -251,11 +255,29 @@ inline void interpolate_wrapped(const Grid& g, const VelocityArrays& q, const In
     }
 }
 
+// What a marker soon to come will read first: the planes below it are in cache already. Both ends of a row's
+// points, for these may lie in two lines. Inlined always: a call that only prefetches is removed as one
+// without effect.
+constexpr int prefetch_ahead = 16;
+
+[[gnu::always_inline]] inline void prefetch(const VelocityArrays& q, std::size_t row, std::size_t plane,
+                                            const InnerMarker& m) {
+    if (m.is_wrapped()) return;
+    for (const double* field : {q.u, q.v, q.w}) {
+        const double* p = field + m.first + 2 * plane;
+        for (int b = 0; b < 3; ++b, p += row) {
+            __builtin_prefetch(p - 1);
+            __builtin_prefetch(p + 3);
+        }
+    }
+}
+
 // Known at compile time which direction is on faces: the 27 terms unroll.
 template <int component>
 inline double interpolate_inner(std::size_t row, std::size_t plane, const double* q, const InnerMarker& m,
                                 const Weights& weights, int n) {
-    constexpr int x = weights_along<component>(0), y = weights_along<component>(1), z = weights_along<component>(2);
+    constexpr int x = weights_along<component>(0), y = weights_along<component>(1),
+                  z = weights_along<component>(2);
     const double* p = q + first_point<component>(m, row, plane);
     const double y_low = weights.low[y + n], y_middle = weights.middle[y + n], y_high = weights.high[y + n];
     const auto in_plane = [&](const double* r) {
@@ -271,7 +293,7 @@ inline double interpolate_inner(std::size_t row, std::size_t plane, const double
 inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet& set, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
     const std::size_t row = g.row(), plane = g.plane();
-    const int inner = static_cast<int>(set.inner.size()), folded = static_cast<int>(set.folded.size());
+    const int inner = set.count_inner(), folded = static_cast<int>(set.folded.size());
 #pragma omp parallel num_threads(g.threads) if (set.count() > 256)
     {
 #pragma omp for schedule(static) nowait
@@ -281,6 +303,7 @@ inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet
             Weights weights;
             weights.find(marker, count);
             for (int n = 0; n < count; ++n) {
+                prefetch(q, row, plane, set.inner[std::min(begin + n + prefetch_ahead, inner - 1)]);
                 double* value = out + 3 * marker[n].marker;
                 if (marker[n].is_wrapped()) {
                     interpolate_wrapped(g, q, marker[n], weights, n, value);
@@ -316,9 +339,9 @@ inline void spread_folded(const Grid& g, double* q, const FoldedStencils& s, int
 template <int component, bool bounded>
 inline void spread_inner(std::size_t row, std::size_t plane, double* q, const InnerMarker& m,
                          const Weights& weights, int n, double strength, int lowest, int first, int last) {
-    constexpr int x = weights_along<component>(0), y = weights_along<component>(1), z = weights_along<component>(2);
-    const Four along_x =
-        strength * Four{weights.low[x + n], weights.middle[x + n], weights.high[x + n], 0.0};
+    constexpr int x = weights_along<component>(0), y = weights_along<component>(1),
+                  z = weights_along<component>(2);
+    const Four along_x = strength * Four{weights.low[x + n], weights.middle[x + n], weights.high[x + n], 0.0};
     double* p = q + first_point<component>(m, row, plane);
     if (component == face_z) lowest -= std::signbit(m.from_centre[2]);
     const double in_z[3] = {weights.low[z + n], weights.middle[z + n], weights.high[z + n]};
@@ -334,8 +357,9 @@ inline void spread_inner(std::size_t row, std::size_t plane, double* q, const In
 }
 
 // What a marker gives to the planes [first, last).
-inline void spread_wrapped(const Grid& g, const VelocityArrays& q, const InnerMarker& m, const Weights& weights, int n,
-                           const double* value, double strength, int first, int last) {
+inline void spread_wrapped(const Grid& g, const VelocityArrays& q, const InnerMarker& m,
+                           const Weights& weights, int n, const double* value, double strength, int first,
+                           int last) {
     double* field[3] = {q.u, q.v, q.w};
     int nearest[3];
     nearest_centre(g, m, nearest);
@@ -361,7 +385,7 @@ struct Source {
     const double *value, *volume;  // (markers, 3), (markers)
     double factor;
 
-    void prefetch(int marker) const {
+    [[gnu::always_inline]] void prefetch(int marker) const {
         __builtin_prefetch(value + 3 * marker);
         __builtin_prefetch(value + 3 * marker + 2);
         __builtin_prefetch(volume + marker);
@@ -370,8 +394,8 @@ struct Source {
 
 // What the inner markers whose nearest centre is in plane k give to the planes [first, last).
 template <bool bounded>
-inline void spread_from_plane(const Grid& g, const VelocityArrays& q, const StencilSet& set, const Source& source,
-                              int k, int first, int last) {
+inline void spread_from_plane(const Grid& g, const VelocityArrays& q, const StencilSet& set,
+                              const Source& source, int k, int first, int last) {
     const std::size_t row = g.row(), plane = g.plane();
     for (int begin = set.begin_of(g, k), end = set.begin_of(g, k + 1); begin < end; begin += Weights::most) {
         const InnerMarker* marker = set.inner.data() + begin;
@@ -380,7 +404,9 @@ inline void spread_from_plane(const Grid& g, const VelocityArrays& q, const Sten
         weights.find(marker, count);
         for (int n = 0; n < count; ++n) {
             const InnerMarker& m = marker[n];
-            source.prefetch(set.inner[std::min(begin + n + 12, end - 1)].marker);
+            const InnerMarker& later = set.inner[std::min(begin + n + prefetch_ahead, set.count_inner() - 1)];
+            prefetch(q, row, plane, later);
+            source.prefetch(later.marker);
             const double *f = source.value + 3 * m.marker, strength = source.factor * source.volume[m.marker];
             if (m.is_wrapped()) {
                 spread_wrapped(g, q, m, weights, n, f, strength, first, last);
@@ -399,7 +425,7 @@ inline void spread(const Grid& g, const VelocityArrays& q, const StencilSet& set
     double* field[3] = {q.u, q.v, q.w};
     const Source source{value, volume, factor / g.volume()};
     const int nz = g.nz();
-    const auto inner = static_cast<long>(set.inner.size());
+    const long inner = set.count_inner();
     const int threads = set.count() > 256 ? std::min(g.threads, nz) : 1;
 #pragma omp parallel num_threads(threads)
     {

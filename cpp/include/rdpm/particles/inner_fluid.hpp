@@ -14,7 +14,8 @@ inline double sum_of(const Eight& v) {
     return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
 }
 
-// Sums over the faces of one plane within a sphere, eight at a time: of weight, weight * value, and with x and y.
+// Sums over the faces of one plane within a sphere, eight at a time: of weight, weight * value, and with x
+// and y.
 struct PlaneSums {
     Eight weight{}, value{}, value_x{}, value_y{}, x_square{}, y_square{};
 };
@@ -23,17 +24,18 @@ struct Sphere {
     double square, slope;  // radius^2; of the weight over the squared distance
 };
 
-// A row of `count` faces from x on, its height y and squared distance yz. The fraction inside falls from one to
-// nothing over one cell, linearly in the squared distance, which needs no root.
-inline void add_row(const double* q, int count, double x, double dx, double y, double yz, const Sphere& sphere,
-                    PlaneSums& sums) {
+// A row of `count` faces from x on, its height y and squared distance yz. The fraction inside falls from one
+// to nothing over one cell, linearly in the squared distance, which needs no root.
+inline void add_row(const double* q, int count, double x, double dx, double y, double yz,
+                    const Sphere& sphere, PlaneSums& sums) {
     const Eight lane{0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0}, none{}, all = none + 1.0;
     for (int i = 0; i < count; i += 8) {
         const Eight at = (x + i * dx) + lane * dx;
         Eight inside = 0.5 + (sphere.square - yz - at * at) * sphere.slope;
         inside = inside < none ? none : inside;
         inside = inside > all ? all : inside;
-        inside = lane < none + (count - i) ? inside : none;  // what follows the row's end is read, and not counted
+        inside =
+            lane < none + (count - i) ? inside : none;  // what follows the row's end is read, and not counted
         const Eight value = inside * *reinterpret_cast<const Eight*>(q + i);
         sums.weight += inside;
         sums.value += value;
@@ -82,7 +84,8 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
             // A row that crosses a periodic side is read in two pieces.
             for (int i = first; i <= last;) {
                 const int at = wrapped(0, i);
-                const int count = g.boundary[0] == periodic ? std::min(last - i, g.nx() - at) + 1 : last - i + 1;
+                const int count =
+                    g.boundary[0] == periodic ? std::min(last - i, g.nx() - at) + 1 : last - i + 1;
                 add_row(row + at, count, origin[0] + i * dx, dx, y, yz, sphere, sums);
                 i += count;
             }
