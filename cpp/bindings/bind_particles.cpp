@@ -12,6 +12,7 @@
 #include "rdpm/particles/close_surfaces.hpp"
 #include "rdpm/particles/immersed_boundary.hpp"
 #include "rdpm/particles/inner_fluid.hpp"
+#include "rdpm/particles/marker_sums.hpp"
 
 namespace nb = nanobind;
 using namespace rdpm;
