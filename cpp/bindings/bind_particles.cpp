@@ -12,6 +12,7 @@
 #include "rdpm/particles/close_surfaces.hpp"
 #include "rdpm/particles/immersed_boundary.hpp"
 #include "rdpm/particles/inner_fluid.hpp"
+#include "rdpm/particles/marker_sums.hpp"
 
 namespace nb = nanobind;
 using namespace rdpm;
@@ -29,14 +30,10 @@ double* field(const Grid& g, const Values& array, const char* name) {
 struct Markers {
     StencilSet set;
 
-    Markers(const Grid& g, const Indices& first) {
-        const int bodies = static_cast<int>(first.shape(0)) - 1;
-        const std::int32_t* f = checked(first, "first", {bodies + 1});
-        set.first.assign(f, f + bodies + 1);
-        set.marker.resize(f[bodies]);
-        set.lowest.resize(bodies);
-        set.highest.resize(bodies);
-        set.below.resize(g.nz() + 3);
+    Markers(const Grid& g, const Indices& first) : set(g, checked(first, "first", {-1}), last_of(first)) {}
+    static int last_of(const Indices& first) {
+        if (first.size() == 0) throw std::invalid_argument("first: needs one more than bodies");
+        return static_cast<int>(first.shape(0)) - 1;
     }
     void place_at(const Grid& g, const Values& position) {
         const double* x = checked(position, "marker position", {set.count(), 3});
@@ -115,25 +112,26 @@ void bind_particles(nb::module_& module) {
         nb::gil_scoped_release released;
         marker_moments(bodies, f, r, dv, threads, moments);
     });
-    module.def(
-        "distance_to_others",
-        [](const std::array<double, 3>& size, const std::array<bool, 3>& is_periodic,
-           const std::array<bool, 3>& is_solid, const Indices& pairs, const Indices& first,
-           const Values& marker, const Values& centre, const Values& radius, int threads, const Values& out) {
-            const int bodies = static_cast<int>(first.shape(0)) - 1, n_pairs = static_cast<int>(pairs.shape(0));
-            const std::int32_t* f = checked(first, "first", {bodies + 1});
-            const int n = f[bodies];
-            Surroundings around{{size[0], size[1], size[2]},
-                                {is_periodic[0], is_periodic[1], is_periodic[2]},
-                                {is_solid[0], is_solid[1], is_solid[2]},
-                                checked(pairs, "pairs", {n_pairs, 2}),
-                                n_pairs};
-            const double *x = checked(marker, "marker", {n, 3}), *c = checked(centre, "centre", {bodies, 3}),
-                         *a = checked(radius, "radius", {bodies});
-            double* distance = checked(out, "distance", {n});
-            nb::gil_scoped_release released;
-            distance_to_others(around, bodies, f, x, c, a, threads, distance);
-        });
+    module.def("stand_back", [](const std::array<double, 3>& size, const std::array<bool, 3>& is_periodic,
+                                const std::array<bool, 3>& is_solid, const std::array<double, 4>& retreat,
+                                const Indices& pairs, const Indices& first, const Values& marker,
+                                const Values& centre, const Values& radius, const Values& full, int threads,
+                                const Values& volume) {
+        const int bodies = static_cast<int>(first.shape(0)) - 1, n_pairs = static_cast<int>(pairs.shape(0));
+        const std::int32_t* f = checked(first, "first", {bodies + 1});
+        const int n = f[bodies];
+        Surroundings around{{size[0], size[1], size[2]},
+                            {is_periodic[0], is_periodic[1], is_periodic[2]},
+                            {is_solid[0], is_solid[1], is_solid[2]},
+                            checked(pairs, "pairs", {n_pairs, 2}),
+                            n_pairs};
+        const double *x = checked(marker, "marker", {n, 3}), *c = checked(centre, "centre", {bodies, 3}),
+                     *a = checked(radius, "radius", {bodies}), *whole = checked(full, "full volume", {n});
+        double* kept = checked(volume, "volume", {n});
+        nb::gil_scoped_release released;
+        stand_back(around, {retreat[0], retreat[1], retreat[2], retreat[3]}, bodies, f, x, c, a, whole,
+                   threads, kept);
+    });
     module.def("inner_motion", [](const Grid& g, const Values& u, const Values& v, const Values& w,
                                   const Values& position, const Values& radius, const Values& out) {
         const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};

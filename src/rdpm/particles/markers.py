@@ -71,7 +71,6 @@ class MarkerSet:
         self._body_force = np.zeros(size)
         self.fluid_velocity, self._change = np.zeros(size), np.zeros(size)
         self._layer_arm_square = depth**2
-        self._distance = np.zeros(len(self))
         self._stencils = _core.Markers(grid.core, self.first)
 
     def __len__(self) -> int:
@@ -180,17 +179,9 @@ class MarkerSet:
         -----
         The grid cannot hold two surfaces whose deltas overlap.
         """
-        np.copyto(self.volume, self.full_volume)
-        if not len(close):
-            return
-        grid = self.grid
+        grid, (near, far), h = self.grid, STAND_BACK, self.h
         solid = [kind == "wall" for kind in grid.boundary]
-        distance = self._distance
-        _core.distance_to_others(
-            grid.size, grid.is_periodic, solid, close, self.first, self.position, bodies.position,
-            0.5 * bodies.diameter, grid.threads, distance,
+        _core.stand_back(
+            grid.size, grid.is_periodic, solid, (near * h, far * h, least, h), close, self.first, self.position,
+            bodies.position, 0.5 * bodies.diameter, self.full_volume, grid.threads, self.volume,
         )  # fmt: skip
-        distance /= self.h
-        near, far = STAND_BACK
-        share = least + (1.0 - least) * np.clip((distance - near) / (far - near), 0.0, 1.0)
-        self.volume *= share * np.clip(1.0 + distance, 0.0, 1.0)

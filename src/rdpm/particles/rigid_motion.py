@@ -175,7 +175,7 @@ class RigidMotion:
             change = markers.force_rigid(bodies, dt)
             total += density * markers.sums(change)
             markers.spread(self.fluid.velocity, change, 1.0)
-        self.slip = float(np.sqrt(np.mean(change**2) * 3.0)) if len(markers) else 0.0
+        self.slip = float(np.sqrt(np.einsum("mc,mc->", change, change) / len(markers))) if len(markers) else 0.0
         self._foreseen = predicted + self._share * total
         fluid_on_body = (self._foreseen - self.inner + self.missed - given - total) / dt
         self.hydrodynamic_force, self.hydrodynamic_torque = fluid_on_body[:, :3], fluid_on_body[:, 3:]

@@ -63,7 +63,9 @@ class Projection {
           plane_cfl_(g.nz() + 2),
           plane_square_(g.nz() + 2) {}
 
-    std::size_t bytes() const { return solver_.bytes() + 4 * carry_[0].size() * sizeof(double); }
+    std::size_t bytes() const {
+        return solver_.bytes() + transform_.bytes() + 4 * carry_[0].size() * sizeof(double);
+    }
 
     // u, v, w -> divergence-free; p += phi - rotational * div(u before); phi: the pressure increment
     // [m^2/s^2].
@@ -160,7 +162,7 @@ class Projection {
     }
 
     template <bool with_flow>
-    void load_and_transform(int k) const {
+    void load_and_transform(int k) {
         if constexpr (with_flow)
             right_hand_side(k);
         else

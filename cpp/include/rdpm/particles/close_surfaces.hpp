@@ -1,4 +1,4 @@
-// How near the markers of a body are to the surfaces of others.
+// Markers that stand back: how near those of a body are to the surfaces of others, and what volume they keep.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -17,11 +17,52 @@ struct Surroundings {
     int n_pairs;
 };
 
-// Distance from each marker to the nearest surface of another body or side; negative inside it; infinite
-// where no pair is given.
-inline void distance_to_others(const Surroundings& around, int bodies, const std::int32_t* first,
-                               const double* marker, const double* centre, const double* radius, int threads,
-                               double* out) {
+// What volume a marker keeps so far from another surface: `least` up to `near`, all from `far` on; inside the
+// other body less and less, and none `width` deep.
+struct Retreat {
+    double near, far, least, width;
+
+    double share(double distance) const {
+        const double outside = std::clamp((distance - near) / (far - near), 0.0, 1.0);
+        return (least + (1.0 - least) * outside) * std::clamp(1.0 + distance / width, 0.0, 1.0);
+    }
+};
+
+// The distance from each marker of body b to the nearest surface of its partners or sides; negative inside
+// it.
+inline void distance_to_partners(const Surroundings& around, int b, const std::int32_t* partner, int partners,
+                                 const std::int32_t* first, const double* marker, const double* centre,
+                                 const double* radius, double* out) {
+    std::fill(out + first[b], out + first[b + 1], std::numeric_limits<double>::infinity());
+    for (int n = 0; n < partners; ++n) {
+        const std::int32_t other = partner[n];
+        if (other < 0) {
+            const int side = -1 - other, d = side / 2;
+            if (!around.is_solid[d]) continue;
+            for (int m = first[b]; m < first[b + 1]; ++m) {
+                const double x = marker[3 * m + d];
+                out[m] = std::min(out[m], side % 2 ? around.size[d] - x : x);
+            }
+            continue;
+        }
+        // The image of the partner that is nearest to the body is nearest to its markers on that side.
+        double c[3];
+        for (int d = 0; d < 3; ++d) {
+            c[d] = centre[3 * other + d];
+            if (around.is_periodic[d])
+                c[d] += around.size[d] * std::round((centre[3 * b + d] - c[d]) / around.size[d]);
+        }
+        for (int m = first[b]; m < first[b + 1]; ++m) {
+            const double x = marker[3 * m] - c[0], y = marker[3 * m + 1] - c[1], z = marker[3 * m + 2] - c[2];
+            out[m] = std::min(out[m], std::sqrt(x * x + y * y + z * z) - radius[other]);
+        }
+    }
+}
+
+// volume = full volume, less where a marker is close to another surface.
+inline void stand_back(const Surroundings& around, const Retreat& retreat, int bodies,
+                       const std::int32_t* first, const double* marker, const double* centre,
+                       const double* radius, const double* full, int threads, double* volume) {
     // Partners of each body: pairs are stored once, needed both ways.
     std::vector<std::int32_t> begin(bodies + 1, 0), partner;
     const auto each_way = [&](auto&& visit) {
@@ -38,31 +79,13 @@ inline void distance_to_others(const Surroundings& around, int bodies, const std
     each_way([&](std::int32_t i, std::int32_t j) { partner[at[i]++] = j; });
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
     for (int b = 0; b < bodies; ++b) {
-        std::fill(out + first[b], out + first[b + 1], std::numeric_limits<double>::infinity());
-        for (int k = begin[b]; k < begin[b + 1]; ++k) {
-            const std::int32_t other = partner[k];
-            if (other < 0) {
-                const int side = -1 - other, d = side / 2;
-                if (!around.is_solid[d]) continue;
-                for (int m = first[b]; m < first[b + 1]; ++m) {
-                    const double x = marker[3 * m + d];
-                    out[m] = std::min(out[m], side % 2 ? around.size[d] - x : x);
-                }
-                continue;
-            }
-            // The image of the partner that is nearest to the body is nearest to its markers on that side.
-            double c[3];
-            for (int d = 0; d < 3; ++d) {
-                c[d] = centre[3 * other + d];
-                if (around.is_periodic[d])
-                    c[d] += around.size[d] * std::round((centre[3 * b + d] - c[d]) / around.size[d]);
-            }
-            for (int m = first[b]; m < first[b + 1]; ++m) {
-                const double x = marker[3 * m] - c[0], y = marker[3 * m + 1] - c[1],
-                             z = marker[3 * m + 2] - c[2];
-                out[m] = std::min(out[m], std::sqrt(x * x + y * y + z * z) - radius[other]);
-            }
+        if (begin[b] == begin[b + 1]) {
+            std::copy(full + first[b], full + first[b + 1], volume + first[b]);
+            continue;
         }
+        distance_to_partners(around, b, partner.data() + begin[b], begin[b + 1] - begin[b], first, marker,
+                             centre, radius, volume);
+        for (int m = first[b]; m < first[b + 1]; ++m) volume[m] = full[m] * retreat.share(volume[m]);
     }
 }
 

@@ -8,30 +8,42 @@
 
 namespace rdpm {
 
-// Sums over one row of faces within a sphere: weight, weight * value, weight * value * x, weight * x^2.
-struct RowSums {
-    double weight = 0.0, value = 0.0, value_x = 0.0, x_square = 0.0;
+typedef double Eight __attribute__((vector_size(64), aligned(8), may_alias));
+
+inline double sum_of(const Eight& v) {
+    return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
+}
+
+// Sums over the faces of one plane within a sphere, eight at a time: of weight, weight * value, and with x
+// and y.
+struct PlaneSums {
+    Eight weight{}, value{}, value_x{}, value_y{}, x_square{}, y_square{};
 };
 
-// `yz`: squared distance of the row from the centre; `x`: of the first face. The fraction inside falls from
-// one to nothing over one cell, linearly in the squared distance, which needs no root.
-inline void add_row(const double* q, int count, double x, double dx, double yz, double square, double slope,
-                    RowSums& sums) {
-    double weight = 0.0, value = 0.0, value_x = 0.0, x_square = 0.0;
-#pragma omp simd reduction(+ : weight, value, value_x, x_square)
-    for (int i = 0; i < count; ++i) {
-        const double at = x + i * dx;
-        const double depth = 0.5 + (square - yz - at * at) * slope;
-        const double inside = std::min(std::max(depth, 0.0), 1.0);
-        weight += inside;
-        value += inside * q[i];
-        value_x += inside * q[i] * at;
-        x_square += inside * at * at;
+struct Sphere {
+    double square, slope;  // radius^2; of the weight over the squared distance
+};
+
+// A row of `count` faces from x on, its height y and squared distance yz. The fraction inside falls from one
+// to nothing over one cell, linearly in the squared distance, which needs no root.
+inline void add_row(const double* q, int count, double x, double dx, double y, double yz,
+                    const Sphere& sphere, PlaneSums& sums) {
+    const Eight lane{0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0}, none{}, all = none + 1.0;
+    for (int i = 0; i < count; i += 8) {
+        const Eight at = (x + i * dx) + lane * dx;
+        Eight inside = 0.5 + (sphere.square - yz - at * at) * sphere.slope;
+        inside = inside < none ? none : inside;
+        inside = inside > all ? all : inside;
+        inside =
+            lane < none + (count - i) ? inside : none;  // what follows the row's end is read, and not counted
+        const Eight value = inside * *reinterpret_cast<const Eight*>(q + i);
+        sums.weight += inside;
+        sums.value += value;
+        sums.value_x += value * at;
+        sums.value_y += value * y;
+        sums.x_square += inside * at * at;
+        sums.y_square += inside * (y * y);
     }
-    sums.weight += weight;
-    sums.value += value;
-    sums.value_x += value_x;
-    sums.x_square += x_square;
 }
 
 // Adds one component's share of a body's mean (3), weight (3), moment (3) and squared arm (3).
@@ -54,43 +66,51 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
         if (g.boundary[d] != periodic) return i;
         return i < 1 ? i + g.cells[d] : i > g.cells[d] ? i - g.cells[d] : i;
     };
+    const Sphere sphere{square, slope};
+    const double dx = g.spacing[0];
     for (int k = lower[2]; k <= upper[2]; ++k) {
         const double z = origin[2] + k * g.spacing[2];
         const double* plane = field + wrapped(2, k) * g.plane();
+        PlaneSums sums;
         for (int j = lower[1]; j <= upper[1]; ++j) {
             const double y = origin[1] + j * g.spacing[1], yz = y * y + z * z;
             if (yz > reach * reach) continue;
             const double* row = plane + wrapped(1, j) * g.row();
             for (int i = lower[0]; i <= upper[0]; i += 8)
                 __builtin_prefetch(row + 4 * g.row() + wrapped(0, i));
-            RowSums s;
+            const double half = std::sqrt(reach * reach - yz);
+            const int first = std::max(lower[0], static_cast<int>(std::ceil((-half - origin[0]) / dx))),
+                      last = std::min(upper[0], static_cast<int>(std::floor((half - origin[0]) / dx)));
             // A row that crosses a periodic side is read in two pieces.
-            for (int i = lower[0]; i <= upper[0];) {
+            for (int i = first; i <= last;) {
                 const int at = wrapped(0, i);
                 const int count =
-                    g.boundary[0] == periodic ? std::min(upper[0] - i, g.nx() - at) + 1 : upper[0] - i + 1;
-                add_row(row + at, count, origin[0] + i * g.spacing[0], g.spacing[0], yz, square, slope, s);
+                    g.boundary[0] == periodic ? std::min(last - i, g.nx() - at) + 1 : last - i + 1;
+                add_row(row + at, count, origin[0] + i * dx, dx, y, yz, sphere, sums);
                 i += count;
             }
-            mean[c] += s.value;
-            weight[c] += s.weight;
-            // Spin about e moves component c by +arm_f, about f by -arm_e (c, e, f right-handed).
-            if (c == 0) {
-                moment[1] += z * s.value;
-                moment[2] -= y * s.value;
-                arm_square[1] += z * z * s.weight;
-                arm_square[2] += y * y * s.weight;
-            } else if (c == 1) {
-                moment[2] += s.value_x;
-                moment[0] -= z * s.value;
-                arm_square[2] += s.x_square;
-                arm_square[0] += z * z * s.weight;
-            } else {
-                moment[0] += y * s.value;
-                moment[1] -= s.value_x;
-                arm_square[0] += y * y * s.weight;
-                arm_square[1] += s.x_square;
-            }
+        }
+        const double value = sum_of(sums.value), w = sum_of(sums.weight), value_x = sum_of(sums.value_x),
+                     value_y = sum_of(sums.value_y), x_square = sum_of(sums.x_square),
+                     y_square = sum_of(sums.y_square);
+        mean[c] += value;
+        weight[c] += w;
+        // Spin about e moves component c by +arm_f, about f by -arm_e (c, e, f right-handed).
+        if (c == 0) {
+            moment[1] += z * value;
+            moment[2] -= value_y;
+            arm_square[1] += z * z * w;
+            arm_square[2] += y_square;
+        } else if (c == 1) {
+            moment[2] += value_x;
+            moment[0] -= z * value;
+            arm_square[2] += x_square;
+            arm_square[0] += z * z * w;
+        } else {
+            moment[0] += value_y;
+            moment[1] -= value_x;
+            arm_square[0] += y_square;
+            arm_square[1] += x_square;
         }
     }
 }
