@@ -37,6 +37,16 @@ CASES = {
         "time": {"end": 0.04, "step": 0.0005},
         "output": {**QUIET, "table_every": 0.004, "fields_every": 0.01},
     },
+    # Steps of up to six times the shortest on the way, from step 70 on the shortest: one sphere meets another.
+    "adaptive steps": {
+        "domain": BOX,
+        "fluid": OIL | {"viscosity": 0.2},
+        "bodies": [{**GLASS, "centers": [[0.015, 0.014, 0.04], [0.0155, 0.015, 0.0052]]}],
+        "contact": {**SOFT, "contact_steps": 8},
+        "resolution": {"cells_per_diameter": 5},
+        "time": {"end": 0.2, "step": "adaptive"},
+        "output": {**QUIET, "table_every": 0.008},
+    },
     "stabilised diffusion": {
         "domain": BOX,
         "fluid": OIL | {"viscosity": 0.5},

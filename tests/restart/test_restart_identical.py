@@ -14,6 +14,9 @@ from rdpm.studies.runner import run_case
     [
         ("wet contact", 20),
         ("wet contact", 75),
+        ("adaptive steps", 4),
+        ("adaptive steps", 60),
+        ("adaptive steps", 100),
         ("stabilised diffusion", 12),
         ("released body", 12),
         ("released body", 24),
@@ -67,3 +70,16 @@ def test_an_automatic_step_stays_when_the_end_moves(tmp_path):
     later = case_of("periodic cloud", "time={end=0.04}")
     for _ in range(2):  # again: the step is then given, and the case asked for still says "auto"
         assert run_case(later, tmp_path / "run", resume=True)["dt_s"] == dt
+
+
+def test_adaptive_steps_keep_their_contact_when_the_end_moves(tmp_path):
+    """The shortest step, and with it the contact, are those the run began with, also when it is extended again."""
+    first = run_whole(case_of("adaptive steps", "time.end=0.0301"), tmp_path / "run")
+    assert first["time_s"] == pytest.approx(0.0301, abs=1e-12)
+    for end in (0.04, 0.0507):
+        later = run_case(case_of("adaptive steps", f"time.end={end}"), tmp_path / "run", resume=True)
+        assert later["status"] == "done"
+        assert later["dt_s"] == first["dt_s"]
+        assert later["contact"] == first["contact"]
+        # The last step reaches the end, but for less than the shortest.
+        assert end - 1e-9 <= later["time_s"] < end + first["dt_s"]

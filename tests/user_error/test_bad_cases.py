@@ -215,7 +215,7 @@ WRONG = [
     ),
     ("dkt", '"4 s"', "0", ":37: time.end = 0: must be positive."),
     ("dkt", 'step = "auto"', 'step = "5 s"', ":38: time.step = 5.0: must not be longer than time.end = 4 s."),
-    ("dkt", 'step = "auto"', 'step = "adaptive"', ':38: time.step = "adaptive": is not in this version.'),
+    ("dkt", 'step = "auto"', 'step = "quick"', ':38: time.step = "quick": must be "auto", "adaptive" or a time.'),
     ("dkt", '"10 ms"', "0", ":42: output.table_every = 0: must be positive."),
     ("dkt", '"0.1 s"', "-1", ":43: output.fields_every = -1: must not be negative."),
     ("dkt", "[contact]", "[contact", ":23: must be TOML: "),

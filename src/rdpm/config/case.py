@@ -115,6 +115,14 @@ class Case(Model):
                 value=True,
                 at=("contact", "lubrication"),
             )
+        if self.time.step == "adaptive":
+            raise RuleError(
+                "must not be in a case without [fluid]",
+                "contacts alone set its step",
+                'Use "auto", or a time.',
+                value="adaptive",
+                at=("time", "step"),
+            )
         if self.time.step == "auto" and self.contact.way == "contact-steps":
             raise RuleError(
                 "must be a time in a case without [fluid]",

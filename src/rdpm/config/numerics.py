@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import BeforeValidator, PrivateAttr, model_validator
 
 from rdpm.config.fields import Model, choice, number, to_number, whole_vector
 from rdpm.config.rule import RuleError
@@ -35,11 +35,12 @@ class Resolution(Model):
 
 
 def _step(value: Any) -> float | str:
-    if value == "adaptive":
-        raise RuleError("is not in this version", cure='Use "auto", or a time.', value=value)
-    if isinstance(value, str) and value.isalpha() and value != "auto":
-        raise RuleError('must be "auto" or a time', cure='Write "auto", or text such as "1 ms".', value=value)
-    return "auto" if isinstance(value, str) and value == "auto" else to_number(value, "s", above=0.0)
+    if isinstance(value, str) and value in ("auto", "adaptive"):
+        return value
+    if isinstance(value, str) and value.isalpha():
+        cure = 'Write "auto", "adaptive", or text such as "1 ms".'
+        raise RuleError('must be "auto", "adaptive" or a time', cure=cure, value=value)
+    return to_number(value, "s", above=0.0)
 
 
 class Time(Model):
@@ -49,19 +50,21 @@ class Time(Model):
     ----------
     end : float, [s]
         > 0.
-    step : float or "auto", [s]
-        Of the fluid (of the contacts, in a dry case).
+    step : float, "auto" or "adaptive", [s]
+        Of the fluid (of the contacts, in a dry case). "auto": one for the whole run; "adaptive": multiples of that one
+        wherever no contact needs it.
     diffusion : "auto", "explicit" or "stabilised"
     cfl : float, [-]
         Largest share of a cell the flow crosses in an automatic step, 0 < cfl <= 1.
     """
 
     end: Annotated[float, number("s", above=0.0)]
-    step: Annotated[float | Literal["auto"], BeforeValidator(_step)] = "auto"
+    step: Annotated[float | Literal["auto", "adaptive"], BeforeValidator(_step)] = "auto"
     diffusion: Annotated[
         Literal["auto", "explicit", "stabilised"], choice("auto", "explicit", "stabilised")
     ] = "auto"
     cfl: Annotated[float, number("", above=0.0, most=1.0)] = 0.5
+    _contact_step: float | None = PrivateAttr(default=None)
 
     @model_validator(mode="after")
     def _fits(self) -> Time:
@@ -70,3 +73,14 @@ class Time(Model):
                 f"must not be longer than time.end = {self.end:g} s", value=self.step, at=("step",)
             )
         return self
+
+    @property
+    def contact_step(self) -> float | None:
+        """Contact step with which the run began that adaptive steps now continue [s]; None in a new run."""
+        return self._contact_step
+
+    def continued(self, contact_step: float) -> Time:
+        """The same for a run that began with this contact step [s], whatever its end is now."""
+        kept = self.model_copy()
+        kept._contact_step = contact_step
+        return kept

@@ -10,7 +10,7 @@ from rdpm.particles.state import Bodies
 
 from .walls import Box
 
-__all__ = ["NO_NEIGHBOUR", "Neighbours", "nearest_gaps"]
+__all__ = ["NO_NEIGHBOUR", "Neighbours", "gaps_and_rates", "nearest_gaps"]
 
 NO_NEIGHBOUR = -7
 """Neighbour of a body that is alone in a box without sides."""
@@ -98,3 +98,46 @@ def nearest_gaps(bodies: Bodies, box: Box) -> tuple[Floats, NDArray[np.int64]]:
     ([0.5, 0.5], [1, 0])
     """
     return Neighbours(bodies, box).nearest()
+
+
+def gaps_and_rates(bodies: Bodies, box: Box, pairs: NDArray[np.int32]) -> tuple[Floats, Floats]:
+    """Gaps of these pairs, and how fast they open.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    box : Box
+    pairs : ndarray of int32, (M, 2)
+        i and j, or -1..-6 for the sides.
+
+    Returns
+    -------
+    gap : ndarray, (M,), [m]
+        Negative in contact.
+    rate : ndarray, (M,), [m/s]
+        Of the gap: negative where the surfaces approach.
+
+    Examples
+    --------
+    >>> bodies = Bodies(np.array([1.0, 1.0]), np.ones(2), np.array([[2.0, 2.0, 2.0], [2.0, 2.0, 3.5]]),
+    ...                 velocity=np.array([[0.0, 0.0, 0.1], [0.0, 0.0, -0.1]]))
+    >>> box = Box((4.0, 4.0, 10.0), (False, False, False), (True, True, True))
+    >>> gap, rate = gaps_and_rates(bodies, box, np.array([[0, 1], [0, -5]], np.int32))
+    >>> gap.tolist(), rate.tolist()
+    ([0.5, 1.5], [-0.2, 0.1])
+    """
+    i, j = pairs.T
+    size, period = box.table[:2]
+    wall = j < 0
+    other = np.where(wall, i, j)
+    apart = bodies.position[i] - bodies.position[other]
+    apart -= period * np.rint(np.divide(apart, period, out=np.zeros_like(apart), where=period > 0.0))
+    distance = np.linalg.norm(apart, axis=1)
+    normal = apart / np.where(distance > 0.0, distance, 1.0)[:, None]
+    rate = np.einsum("mx,mx->m", normal, bodies.velocity[i] - bodies.velocity[other])
+    gap = distance - 0.5 * (bodies.diameter[i] + bodies.diameter[other])
+    side = np.where(wall, -1 - j, 0)
+    axis, is_upper = side // 2, side % 2 == 1
+    at, speed = bodies.position[i, axis], bodies.velocity[i, axis]
+    from_wall = np.where(is_upper, size[axis] - at, at) - 0.5 * bodies.diameter[i]
+    return np.where(wall, from_wall, gap), np.where(wall, np.where(is_upper, -speed, speed), rate)

@@ -18,7 +18,7 @@ from .episodes import EPISODE, FINISHED_COLUMNS, Episodes
 from .history import LAW_COLUMNS, PHASE_TOUCHING, STATE_COLUMNS, History
 from .law import ContactLaw
 from .lubrication import Lubrication
-from .neighbours import Neighbours
+from .neighbours import Neighbours, gaps_and_rates
 from .walls import SIDES, Box
 
 __all__ = ["ContactStep", "Contacts"]
@@ -231,9 +231,7 @@ class Contacts:
         i, j = self._pairs.T
         wall = j < 0
         other = np.where(wall, i, j)
-        inverse_mass = b.is_free / b.mass
-        mass = 1.0 / (inverse_mass[i] + np.where(wall, 0.0, inverse_mass[other]))
-        diameter = np.minimum(b.diameter[i], b.diameter[other])
+        mass, diameter = self._sizes(pairs)
         # Few kinds of pairs, many pairs: the law is asked once a kind.
         kinds, kind = np.unique(mass + 1j * diameter, return_inverse=True)
         self._laws = laws = np.zeros((len(pairs), len(LAW_COLUMNS)))
@@ -250,6 +248,15 @@ class Contacts:
             laws[:, 5:8] = np.transpose(films)
             laws[:, 8:10] = np.transpose(self.lubrication.reach(*radii))
         laws[wall & self.box.is_slip_side[np.where(wall, -1 - j, 0)], 2:] = 0.0
+
+    def _sizes(self, pairs: NDArray[np.int32]) -> tuple[Floats, Floats]:
+        """Reduced mass, inf where neither moves freely, and smaller diameter of each pair."""
+        b, (i, j) = self.bodies, pairs.T
+        other = np.where(j < 0, i, j)
+        inverse_mass = b.is_free / b.mass
+        with np.errstate(divide="ignore"):
+            mass = 1.0 / (inverse_mass[i] + np.where(j < 0, 0.0, inverse_mass[other]))
+        return mass, np.minimum(b.diameter[i], b.diameter[other])
 
     def _record(self, pairs: NDArray[np.int32], states: Floats, dt: float) -> None:
         """Record contacts from what is remembered of them."""
@@ -278,6 +285,23 @@ class Contacts:
         """Pairs of surfaces nearer than this [m], of whatever motion, (K, 2); a negative second id is a side."""
         still = np.zeros((len(self.bodies), 3))
         return self._close.pairs(still, np.ones(len(self.bodies)), 0.0, gap)
+
+    def gap_speeds(self, reach: float) -> tuple[float, float] | None:
+        """Largest speeds at which gaps below `reach` [m] close and open [m/s]; None where there is no such gap.
+
+        A spring under load counts as if it closed with the speed it would give back: at the turn of an impact nothing
+        moves.
+        """
+        pairs = self.close_pairs(reach)
+        if not len(pairs):
+            return None
+        gap, rate = gaps_and_rates(self.bodies, self.box, pairs)
+        closing = np.maximum(-rate, 0.0)
+        mass, diameter = self._sizes(pairs)
+        loaded = (gap < 0.0) & np.isfinite(mass)
+        if loaded.any():
+            closing[loaded] -= np.pi * gap[loaded] / self.law.time_scale(mass[loaded], diameter[loaded])
+        return float(closing.max()), float(rate.max(initial=0.0))
 
     def take_episodes(self) -> NDArray[np.void]:
         """Give the contacts that have finished since the last call, and forget them.

@@ -38,6 +38,8 @@ class System:
     mean_flow: MeanFlow | None = None
     time: float = 0.0
     steps: int = 0
+    is_adaptive: bool = False  # steps are of any length, and of second order where they can be
+    is_alone: bool = False  # no two surfaces are close to each other
     last_contact: ContactStep | None = None
     watch: Stopwatch = field(default_factory=Stopwatch)
 
@@ -64,16 +66,21 @@ def step(system: System, dt: float) -> None:
     system.prescription.set(bodies, system.time + dt)
     system.watch.lap("contacts")
 
+    spare = 0.0
     if fluid is not None:
         if markers is not None and motion is not None:
             markers.place(bodies)
             # Markers, their stencils and kept forces have moved with the bodies.
             markers.stand_back(bodies, system.contacts.close_pairs(markers.reach), motion.kept_share(dt))
-            markers.spread(tuple(fluid.tendency), markers.force, -1.0 / fluid.weights(dt)[1])  # type: ignore[arg-type]
+            spare = _spread_kept(system, markers, motion, fluid, dt)
             # The kept forces are a source of the prediction.
             system.watch.lap("bodies")
         force = system.mean_flow.force(dt, motion) if system.mean_flow else (0.0, 0.0, 0.0)
+        if system.is_adaptive:
+            fluid.follow_pressure(dt, system.is_alone)
         fluid.predict(dt, stages_for(dt, fluid.grid.spacing, fluid.viscosity), force)
+        if spare and markers is not None:
+            markers.spread(fluid.velocity, markers.force, -spare * dt)
         # u, v, w are the new velocity but for the change of forcing and of pressure.
         system.watch.lap("momentum")
         impulse = np.concatenate([contact.impulse, contact.angular_impulse], axis=1)
@@ -99,3 +106,28 @@ def step(system: System, dt: float) -> None:
     if system.mean_flow:
         system.mean_flow.advance(dt, force, motion)
     system.prescription.release(bodies, system.time, lambda: nearest_gaps(bodies, system.contacts.box)[0])
+
+
+def _spread_kept(system: System, markers: MarkerSet, motion: RigidMotion, fluid: Fluid, dt: float) -> float:
+    """Spread the kept forces into the tendency; the share of them to be taken from the prediction again.
+
+    Adaptive steps remove what is of first order in dt. The part of a force that is not kept acts at the end of a step,
+    where explicit diffusion meets it whole in the next one but diffusion by stages does not, and drag would depend on
+    dt: there the whole force is a source, and what is not kept is taken back after diffusion. A source acts in the
+    middle of a step, and so, away from other surfaces, it stands where the body is then.
+    """
+    spare, factor = 0.0, -1.0 / fluid.weights(dt)[1]
+    target = (fluid.tendency[0], fluid.tendency[1], fluid.tendency[2])
+    if system.is_adaptive and not fluid.is_explicit and fluid.last_dt > 0.0:
+        spare = 1.0 / motion.kept_share(fluid.last_dt) - 1.0
+    if not (system.is_adaptive and system.is_alone):
+        markers.spread(target, markers.force, (1.0 + spare) * factor)
+        return spare
+    bodies = system.bodies
+    after = bodies.position.copy()
+    bodies.position -= 0.5 * dt * bodies.velocity
+    markers.place(bodies)
+    markers.spread(target, markers.force, (1.0 + spare) * factor)
+    np.copyto(bodies.position, after)
+    markers.place(bodies)
+    return spare

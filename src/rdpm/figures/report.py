@@ -210,6 +210,12 @@ def _phase_rows(run: RunFolder) -> list[tuple[str, str]]:
     return [(name, _text(found[key], unit)) for key, name, unit in names if key in found]
 
 
+def _longest(summary: dict[str, Any]) -> float | None:
+    """Of adaptive steps [s]; None where all were equal."""
+    shortest, longest = summary.get("dt_shortest_s"), summary.get("dt_longest_s")
+    return longest if shortest and longest and longest > 1.001 * shortest else None
+
+
 def _key_rows(run: RunFolder) -> list[tuple[str, str]]:
     s = run.summary
     limit = f", set by the {s['dt_limit']} limit" if s.get("dt_limit") else ""
@@ -218,6 +224,7 @@ def _key_rows(run: RunFolder) -> list[tuple[str, str]]:
         ("status", _text(s.get("status"))),
         ("simulated time", _text(s.get("time_s"), "s")),
         ("time step", _text(s.get("dt_s"), "ms", 1e3) + limit),
+        ("longest time step", _text(_longest(s), "ms", 1e3)),
         ("steps", _text(s.get("steps"))),
         ("greatest speed of a body", _range(speeds, "m/s")),
         ("Reynolds number at it", _range(_reynolds(run, speeds))),

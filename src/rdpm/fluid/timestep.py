@@ -32,6 +32,8 @@ class Choice:
         Of the stabilised scheme; 0 when explicit.
     limits : dict of str to float, [s]
         All that were considered.
+    longest : float or None, [s]
+        Where steps are adaptive, of which `dt` is then the shortest.
     """
 
     dt: float
@@ -39,6 +41,7 @@ class Choice:
     is_explicit: bool
     stages: int = 0
     limits: dict[str, float] = field(default_factory=dict)
+    longest: float | None = None
 
 
 def advective_limit(spacing: tuple[float, float, float], speed: tuple[float, float, float], cfl: float) -> float:

@@ -120,8 +120,13 @@ def _flow(case: Case, found: Scales) -> list[PlanRow]:
 def _time(cells: tuple[int, int, int] | None, step: Choice, steps: int) -> list[PlanRow]:
     from rdpm.setup.plan import EXPECTED_NS
 
+    is_adaptive = step.longest is not None
+    span = f" to {step.longest:.4g} s" if is_adaptive else " s"
+    fallback = "adaptive; near a contact the shortest; its " if is_adaptive else ""
     rows = [
-        _row("time step", f"{step.dt:.4g} s", None, f"limit: {step.limit} ({_LIMITS[step.limit]})"),
+        _row(
+            "time step", f"{step.dt:.4g}{span}", None, f"{fallback}limit: {step.limit} ({_LIMITS[step.limit]})"
+        ),
         _row(
             "limits",
             ", ".join(
@@ -132,10 +137,11 @@ def _time(cells: tuple[int, int, int] | None, step: Choice, steps: int) -> list[
         ),
     ]
     if cells:
-        way = "explicit" if step.is_explicit else f"stabilised, {step.stages} stages"
+        most = "at most " if is_adaptive else ""
+        way = "explicit" if step.is_explicit else f"stabilised, {most}{step.stages} stages"
         rows.append(_row("diffusion", way))
         wall = steps * math.prod(cells) * EXPECTED_NS * 1e-9
-        rows.append(_row("steps", str(steps), None, f"about {wall:.0f} s on one thread"))
+        rows.append(_row("steps", most + str(steps), None, f"{most}about {wall:.0f} s on one thread"))
     else:
         rows.append(_row("steps", str(steps)))
     return rows

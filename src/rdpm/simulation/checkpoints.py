@@ -145,6 +145,8 @@ class Checkpoints:
             "time_s": system.time,
             "steps": system.steps,
             "dt_s": simulation.dt,
+            "dt_range_s": [simulation.shortest_dt, simulation.longest_dt],
+            "contact_step_s": simulation.pace.contact_step if simulation.pace else None,
             "wall_s": simulation.wall_seconds,
             "parts_s": system.watch.seconds,
             "max_divergence": simulation.max_divergence,
@@ -177,6 +179,7 @@ def restore(simulation: Simulation, saved: Saved, is_same_run: bool = True) -> N
     system.time = saved.time
     if is_same_run:
         system.steps, simulation.dt = int(saved.facts["steps"]), float(saved.facts["dt_s"])
+        simulation.shortest_dt, simulation.longest_dt = saved.facts["dt_range_s"]
         simulation.wall_seconds = float(saved.facts["wall_s"])
         simulation.max_divergence = float(saved.facts["max_divergence"])
         system.watch.seconds.update(saved.facts["parts_s"])

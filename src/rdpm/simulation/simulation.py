@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
+from typing import Any
 
 from rdpm.coupling.step import System, step
 from rdpm.fluid import Fluid
 from rdpm.particles.state import Bodies
 from rdpm.simulation.guards import check_divergence, check_step
+from rdpm.simulation.pace import Pace
 
 __all__ = ["Simulation"]
 
@@ -29,14 +31,25 @@ class Simulation:
 
     Attributes
     ----------
+    pace : Pace or None
+        Chooses every step; without one, all are `dt` long.
+    dt : float, [s]
+        Of the last step, or of all.
+    shortest_dt, longest_dt : float, [s]
+        Of the steps done.
     bodies : Bodies
         ``position``, ``velocity`` ... are the arrays the kernels work on.
     fluid : Fluid or None
         ``u``, ``v``, ``w``, ``p`` likewise.
     """
 
+    #: What the case implied, where there is one; an adaptive one sets the pace.
+    plan: Any = None
+
     def __init__(self, system: System, dt: float) -> None:
         self.system, self.dt = system, dt
+        self.pace: Pace | None = self.plan.pace if self.plan is not None else None
+        self.shortest_dt = self.longest_dt = 0.0
         self.wall_seconds = 0.0
         self.max_divergence = 0.0
         self._callbacks: list[tuple[int, Callable[[Simulation], None]]] = []
@@ -84,7 +97,11 @@ class Simulation:
         """
         begin = clock.perf_counter()
         self.system.watch.start()
+        if self.pace is not None:
+            self.dt = self.pace.prepare(self.system, self.dt)
         step(self.system, self.dt)
+        self.shortest_dt = min(self.shortest_dt or self.dt, self.dt)
+        self.longest_dt = max(self.longest_dt, self.dt)
         check_step(self.system, self.dt)
         if self.steps % DIVERGENCE_EVERY == 0:
             self.check_divergence()

@@ -59,15 +59,18 @@ def case_to_continue(asked: Case, saved: Saved, tell: Callable[[str], None]) -> 
         if key in _KEPT:
             tell(f"note: {key} stays {was:g} s in a run that continues, not {now:g} s")
     kept = {name: getattr(began.output, name) for name in ("table_every", "fields_every")}
-    update = {"title": asked.title, "output": asked.output.model_copy(update=kept)}
+    update: dict[str, Any] = {"title": asked.title, "output": asked.output.model_copy(update=kept)}
+    is_adaptive = began.time.step == "adaptive"
     if asked.time.end != began.time.end:
-        update["time"] = began.time.model_copy(update={"end": asked.time.end, **_same_steps(saved)})
+        update["time"] = began.time.model_copy(update={"end": asked.time.end, **_same_steps(saved, is_adaptive)})
+    if is_adaptive:
+        update["time"] = update.get("time", began.time).continued(float(saved.facts["contact_step_s"]))
     return began.model_copy(update=update)
 
 
-def _same_steps(saved: Saved) -> dict[str, Any]:
+def _same_steps(saved: Saved, is_adaptive: bool) -> dict[str, Any]:
     """The step and the way of diffusion, which an automatic choice would fit to the new end."""
-    same: dict[str, Any] = {"step": float(saved.facts["dt_s"])}
+    same: dict[str, Any] = {} if is_adaptive else {"step": float(saved.facts["dt_s"])}
     if "fluid/is_explicit" in saved.arrays:
         same["diffusion"] = "explicit" if saved.arrays["fluid/is_explicit"] else "stabilised"
     return same

@@ -74,7 +74,9 @@ def _grid_and_cost(simulation: Simulation) -> dict[str, Any]:
         "cells_per_diameter": float(bodies.diameter.min()) / max(spacing) if spacing and len(bodies) else None,
         "steps": steps,
         "time_s": simulation.time,
-        "dt_s": simulation.dt,
+        "dt_s": _contact_step(simulation),
+        "dt_shortest_s": simulation.shortest_dt or None,
+        "dt_longest_s": simulation.longest_dt or None,
         "dt_limit": plan.step.limit,
         "diffusion": "explicit" if plan.step.is_explicit else "stabilised",
         "stages": plan.step.stages,
@@ -86,6 +88,11 @@ def _grid_and_cost(simulation: Simulation) -> dict[str, Any]:
         "peak_memory_bytes": peak_memory_bytes(),
         "max_divergence": simulation.max_divergence if fluid else None,
     }
+
+
+def _contact_step(simulation: Simulation) -> float:
+    """The step, or the one that adaptive steps fall back to [s]."""
+    return simulation.pace.contact_step if simulation.pace else simulation.dt
 
 
 def _bodies(simulation: Simulation, recorder: Recorder) -> list[dict[str, Any]]:
@@ -113,7 +120,7 @@ def _contact(simulation: Simulation) -> dict[str, Any]:
         "model": asked.model,
         "ending": asked.ending,
         "contact_time_s": shortest,
-        "contact_steps": shortest / simulation.dt if shortest else None,
+        "contact_steps": shortest / _contact_step(simulation) if shortest else None,
         "restitution": restitution,
         "friction": asked.friction,
         "lubrication": asked.lubrication,
