@@ -30,7 +30,7 @@ def moved(x: float, y: float, z: float) -> str:
 ROWS: list[tuple[str, list[str]]] = [
     ("as shipped", []),
     ("dt 1 ms, same contact time", ["time.step=0.001", "contact.contact_steps=15.26"]),
-    ("dt 0.5 ms, same contact time", ["time.step=0.0005", "contact.contact_steps=30.52"]),
+    ("adaptive steps", ["time.step=adaptive"]),
     ("stabilised, dt 3 ms", ["time.step=0.003", "time.diffusion=stabilised", "contact.contact_steps=5.087"]),
     ("stabilised, dt 1.9 ms", ["time.diffusion=stabilised"]),
     ("markers turned, seed 1", ["bodies[0].orientation_seed=1"]),
@@ -39,8 +39,8 @@ ROWS: list[tuple[str, list[str]]] = [
     ("moved by 0.3, 0.1, 0.7 cell", [moved(0.3, 0.1, 0.7)]),
     ("no lubrication", ["contact.lubrication=false"]),
     ("no friction", ["contact.friction=0"]),
+    ("6 cells a diameter", ["resolution.cells_per_diameter=6"]),
     ("10 cells a diameter", ["resolution.cells_per_diameter=10"]),
-    ("12 cells a diameter", ["resolution.cells_per_diameter=12"]),
 ]
 
 

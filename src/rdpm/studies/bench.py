@@ -12,6 +12,7 @@ from rdpm.config.load import load_case
 from rdpm.parallel.bandwidth import triad_bandwidth
 from rdpm.parallel.threads import available_threads
 from rdpm.setup import Simulation
+from rdpm.setup.build import FORCING_PASSES
 
 __all__ = ["CASES", "bench", "measure"]
 
@@ -79,7 +80,8 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
     -------
     dict
         ``name, cells, threads, diffusion, bodies, steps, ns_per_cell_step, bytes_per_cell_step, memory_bytes_per_cell,
-        parts`` (share of the time by part [ns a cell and step]) and, with bodies, ``us_per_marker_step``.
+        parts`` (share of the time by part [ns a cell and step]) and, with bodies, ``us_per_marker_step`` and
+        ``us_per_marker_pass``, all that bodies cost shared out over the markers and forcing passes.
         The median step counts.
     """
     make, asked = CASES[name]
@@ -116,6 +118,7 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
     }
     if markers is not None and len(markers):
         result["us_per_marker_step"] = 1e6 * watch.seconds["bodies"] / steps / len(markers)
+        result["us_per_marker_pass"] = result["us_per_marker_step"] / FORCING_PASSES
     return result
 
 
