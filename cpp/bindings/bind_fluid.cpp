@@ -55,12 +55,12 @@ void momentum_rate(const Grid& g, const Field& u, const Field& v, const Field& w
 void diffuse_stabilised(const Grid& g, const Field& q, const Field& rate, int component, double dt, double nu,
                         int stages, const Field& scratch) {
     double* target = field(g, q, "velocity");
-    const double* source = field(g, rate, "rate");
+    double* source = field(g, rate, "rate");
     double* planes = checked(scratch, "scratch", {-1});
     if (stages < 2 || component < 0 || component > 2)
         throw std::invalid_argument("stages must be >= 2, component 0 to 2");
-    if (scratch.size() < 3 * (stages - 1) * g.plane() * g.threads)
-        throw std::invalid_argument("scratch: needs 3 (stages - 1) planes a thread");
+    if (scratch.size() < 3 * (stages - 2) * g.plane() * g.threads)
+        throw std::invalid_argument("scratch: needs 3 (stages - 2) planes a thread");
     const auto coefficients = legendre_stages(stages, dt);
     nb::gil_scoped_release released;
     stabilised_diffusion(g, target, source, component, nu, coefficients, planes);

@@ -123,7 +123,7 @@ class Fluid:
         """
         now, then = self.weights(dt)
         core, (u, v, w) = self.grid.core, self.velocity
-        planes = 9 if self.is_explicit else 3 * (stages - 1)
+        planes = 9 if self.is_explicit else 3 * max(stages - 2, 1)
         size = planes * u[0].size * self.grid.threads
         if self._scratch.size < size:
             self._scratch = np.zeros(size)

@@ -4,7 +4,7 @@
 // M = nu lap(Y_0) + source, every stage is D_j = mu_j D_{j-1} + nu_j D_{j-2} + dt (mu~_j nu lap(D_{j-1}) +
 // (mu~_j + gamma~_j) M), so that only M is read, moving walls drop out, and a thread can recompute its
 // neighbours' edge planes by itself. All stages run over a few planes while these are in cache: stage j is
-// one plane behind stage j-1.
+// one plane behind stage j-1. D_1 is M times a number, and is never stored.
 #pragma once
 #include <omp.h>
 
@@ -50,9 +50,10 @@ inline EndPlane end_plane(const Grid& g, int k, int neighbour, int component) {
     return {true, mirror(g, k == 1 ? 4 : 5, component).sign};
 }
 
-// velocity += D_s for one component. `scratch`: 3 (stages-1) planes a thread.
-inline void stabilised_diffusion(const Grid& g, double* velocity, const double* rate, int component,
-                                 double nu, const std::vector<Stage>& stage, double* scratch) {
+// velocity += D_s for one component, of two stages or more. The rate's halo is filled, as a change's.
+// `scratch`: 3 (stages-2) planes a thread.
+inline void stabilised_diffusion(const Grid& g, double* velocity, double* rate, int component, double nu,
+                                 const std::vector<Stage>& stage, double* scratch) {
     const int stages = static_cast<int>(stage.size()), nx = g.nx(), ny = g.ny(), nz = g.nz();
     const std::size_t plane = g.plane(), row = g.row();
     const double cx = nu / (g.spacing[0] * g.spacing[0]), cy = nu / (g.spacing[1] * g.spacing[1]),
@@ -60,65 +61,71 @@ inline void stabilised_diffusion(const Grid& g, double* velocity, const double* 
     const int last_plane = component == face_z ? g.last_face(2) : nz;
     const bool wraps = g.boundary[2] == periodic;
     const int threads = std::min(g.threads, nz);
+    const double first_weight = stage[0].rate;  // D_1 = first_weight M
 #pragma omp parallel num_threads(threads)
     {
         const int team = omp_get_num_threads(), me = omp_get_thread_num();
         auto [first, last] = share_of(nz, me, team);
+        for (int k = first; k < last; ++k) fill_plane_halo(g, rate + k * plane, component, true);
+#pragma omp barrier
         last = std::min(last, last_plane + 1);
-        double* mine = scratch + static_cast<std::size_t>(3 * (stages - 1)) * plane * me;
-        const auto ring = [&](int j, int k) {  // plane k of D_j, 1 <= j < stages
-            return mine + (3 * (j - 1) + ((k % 3) + 3) % 3) * plane;
-        };
+        double* mine = scratch + static_cast<std::size_t>(3 * (stages - 2)) * plane * me;
         const auto rate_plane = [&](int k) {
             return rate + (wraps ? (((k - 1) % nz + nz) % nz) + 1 : k) * plane;
         };
-        for (int tick = first - (stages - 1); tick < last + stages - 1; ++tick) {
-            for (int j = 1; j <= stages; ++j) {
-                const int k = tick - (j - 1), reach = stages - j;
+        const auto ring = [&](int j, int k) {  // plane k of D_j, 2 <= j < stages
+            return mine + (3 * (j - 2) + ((k % 3) + 3) % 3) * plane;
+        };
+        for (int tick = first - (stages - 2); tick < last + stages - 2; ++tick) {
+            for (int j = 2; j <= stages; ++j) {
+                const int k = tick - (j - 2), reach = stages - j;
                 if (k < first - reach || k >= last + reach) continue;
                 if (!wraps && (k < 1 || k > last_plane)) continue;
-                const double* m = rate_plane(k);
                 const Stage s = stage[j - 1];
-                if (j == 1) {
-                    double* out = ring(1, k);
+                const EndPlane lo = end_plane(g, k, k - 1, component), hi = end_plane(g, k, k + 1, component);
+                const double* m = rate_plane(k);
+                const double* c = j == 2 ? m : ring(j - 1, k);
+                const double* below = lo.is_self ? c : j == 2 ? rate_plane(k - 1) : ring(j - 1, k - 1);
+                const double* above = hi.is_self ? c : j == 2 ? rate_plane(k + 1) : ring(j - 1, k + 1);
+                // The second stage's neighbours are M itself; the third's D_{j-2} is.
+                const double of_last = j == 2 ? first_weight : 1.0;
+                const double of_rate = s.rate + (j == 3 ? s.before * first_weight : 0.0);
+                const double bx = of_last * s.laplacian * cx, by = of_last * s.laplacian * cy,
+                             bz = of_last * s.laplacian * cz;
+                const double centre = of_last * s.last - 2.0 * (bx + by + bz), b_lo = bz * lo.weight,
+                             b_hi = bz * hi.weight;
+                const auto change = [&](std::size_t i) {
+                    return centre * c[i] + bx * (c[i + 1] + c[i - 1]) + by * (c[i + row] + c[i - row]) +
+                           b_lo * below[i] + b_hi * above[i] + of_rate * m[i];
+                };
+                if (j == stages) {
+                    double* out = velocity + k * plane;
+                    const double* before = j > 3 ? ring(j - 2, k) : c;
+                    const double w_before = j > 3 ? s.before : 0.0;
                     for (int y = 1; y <= ny; ++y) {
                         const std::size_t o = y * row;
 #pragma omp simd
-                        for (int x = 1; x <= nx; ++x) out[o + x] = s.rate * m[o + x];
+                        for (int x = 1; x <= nx; ++x) out[o + x] += change(o + x) + w_before * before[o + x];
                     }
-                    fill_plane_halo(g, out, component, true);
                     continue;
                 }
-                const EndPlane lo = end_plane(g, k, k - 1, component), hi = end_plane(g, k, k + 1, component);
-                const double* c = ring(j - 1, k);
-                const double* below = lo.is_self ? c : ring(j - 1, k - 1);
-                const double* above = hi.is_self ? c : ring(j - 1, k + 1);
-                const double* before = j > 2 ? ring(j - 2, k) : c;
-                const double w_before = j > 2 ? s.before : 0.0;
-                const double bx = s.laplacian * cx, by = s.laplacian * cy, bz = s.laplacian * cz;
-                const double centre_weight = s.last - 2.0 * (bx + by + bz), b_lo = bz * lo.weight,
-                             b_hi = bz * hi.weight;
-                const auto change = [&](std::size_t i) {
-                    return centre_weight * c[i] + bx * (c[i + 1] + c[i - 1]) +
-                           by * (c[i + row] + c[i - row]) + b_lo * below[i] + b_hi * above[i] +
-                           w_before * before[i] + s.rate * m[i];
-                };
-                if (j < stages) {
-                    double* out = ring(j, k);
+                double* out = ring(j, k);
+                if (j > 3) {
+                    const double* before = ring(j - 2, k);
+                    const double w_before = s.before;
+                    for (int y = 1; y <= ny; ++y) {
+                        const std::size_t o = y * row;
+#pragma omp simd
+                        for (int x = 1; x <= nx; ++x) out[o + x] = change(o + x) + w_before * before[o + x];
+                    }
+                } else {
                     for (int y = 1; y <= ny; ++y) {
                         const std::size_t o = y * row;
 #pragma omp simd
                         for (int x = 1; x <= nx; ++x) out[o + x] = change(o + x);
                     }
-                    fill_plane_halo(g, out, component, true);
-                } else {
-                    double* out = velocity + k * plane;
-                    for (int y = 1; y <= ny; ++y) {
-                        const std::size_t o = y * row;
-#pragma omp simd
-                        for (int x = 1; x <= nx; ++x) out[o + x] += change(o + x);
-                    }
                 }
+                fill_plane_halo(g, out, component, true);
             }
         }
     }
