@@ -24,8 +24,8 @@ problems = [f"missing or empty: {missing}"] if missing else []
 if summary["status"] != "done":
     problems.append(f"status {summary['status']}")
 # Bands around what other steps, marker placings and films gave (docs/validation.md); tumbling is an instability.
-if kissed is None or not 1.45 <= kissed <= 1.55:
-    problems.append(f"kiss at {kissed} s, expected from 1.45 to 1.55")
-if tumbled is None or not 2.4 <= tumbled <= 2.9:
-    problems.append(f"tumble at {tumbled} s, expected from 2.4 to 2.9")
+if kissed is None or not 1.42 <= kissed <= 1.48:
+    problems.append(f"kiss at {kissed} s, expected from 1.42 to 1.48")
+if tumbled is None or not 2.5 <= tumbled <= 2.8:
+    problems.append(f"tumble at {tumbled} s, expected from 2.5 to 2.8")
 sys.exit("\n".join(problems) or 0)
