@@ -116,12 +116,6 @@ void bind_fluid(nb::module_& module) {
         nb::gil_scoped_release released;
         return largest_divergence(g, q);
     });
-    module.def("extrapolate", [](const Grid& g, const Field& now, const Field& before, double ratio) {
-        double* values = field(g, now, "now");
-        double* old = field(g, before, "before");
-        nb::gil_scoped_release released;
-        extrapolate(g, values, old, ratio);
-    });
     module.def("cell_values",
                [](const Grid& g, const Field& u, const Field& v, const Field& w, const Field& p,
                   double density, const Array<float>& vel, const Array<float>& pressure) {

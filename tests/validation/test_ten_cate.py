@@ -56,3 +56,17 @@ def test_e3_at_16_cells_a_diameter() -> None:
     time, gap, velocity = fall(16, "stabilised")
     assert fall_time(time, gap) == pytest.approx(FALL_TIME, rel=0.03)
     assert -velocity.min() == pytest.approx(PEAK_SPEED, rel=0.02)
+
+
+def test_adaptive_steps_fall_like_constant_ones_on_a_finer_grid() -> None:
+    """Half a second in a small tank at 16 cells a diameter: nu dt / h^2 of the longest step is twice that at 8."""
+    small = ["domain.size=['60 mm', '60 mm', '90 mm']", "bodies[0].centers=[['30 mm', '30 mm', '75 mm']]"]
+    speeds, steps = [], []
+    for step in ("auto", "adaptive"):
+        fine = ["resolution.cells_per_diameter=16", "time.end=0.5", f"time.step={step}"]
+        sim = rdpm.Simulation(rdpm.load_case("settling", [*fine, *small]))
+        sim.run(until=0.5)
+        speeds.append(sim.bodies.velocity[0, 2])
+        steps.append(sim.steps)
+    assert steps[1] < 0.6 * steps[0]
+    assert speeds[1] == pytest.approx(speeds[0], rel=0.01)  # what adaptive steps promise

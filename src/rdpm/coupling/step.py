@@ -76,8 +76,6 @@ def step(system: System, dt: float) -> None:
             # The kept forces are a source of the prediction.
             system.watch.lap("bodies")
         force = system.mean_flow.force(dt, motion) if system.mean_flow else (0.0, 0.0, 0.0)
-        if system.is_adaptive:
-            fluid.follow_pressure(dt, system.is_alone)
         fluid.predict(dt, stages_for(dt, fluid.grid.spacing, fluid.viscosity), force)
         if spare and markers is not None:
             markers.spread(fluid.velocity, markers.force, -spare * dt)

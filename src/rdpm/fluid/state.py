@@ -58,7 +58,6 @@ class Fluid:
         self.tendency = [self.grid.zeros() for _ in range(3)]
         self._rate = [] if self.is_explicit else [self.grid.zeros() for _ in range(3)]
         self._last_dt = 0.0
-        self._pressure_before: Field | None = None
         self._scratch = np.zeros(0)
         self._projection = _core.Projection(self.grid.core)
 
@@ -92,19 +91,6 @@ class Fluid:
             return 1.0, 1.0
         ratio = 0.5 * dt / self._last_dt
         return 1.0 + ratio, ratio
-
-    def follow_pressure(self, dt: float, is_smooth: bool) -> None:
-        """Extrapolate the pressure to the end of the coming step; where it is not smooth in time it stays.
-
-        The prediction's pressure then is of second order: no-slip is imposed before the projection, which changes the
-        velocity by the error of that pressure.
-        """
-        if not is_smooth or self._last_dt == 0.0:
-            self._pressure_before = None
-        elif self._pressure_before is None:
-            self._pressure_before = self.p.copy()
-        else:
-            _core.extrapolate(self.grid.core, self.p, self._pressure_before, dt / self._last_dt)
 
     def predict(self, dt: float, stages: int, force: tuple[float, float, float]) -> None:
         """Change u, v, w to the velocity before projection; the tendencies are stored for the next step.
@@ -166,8 +152,7 @@ class Fluid:
         fields = dict(zip(("u", "v", "w"), self.velocity, strict=True)) | {"p": self.p}
         tendencies = {f"tendency_{x}": values for x, values in zip("xyz", self.tendency, strict=True)}
         scalars = {name: np.array(getattr(self, name)) for name in ("cfl_rate", "square_sum", "last_dt", "is_explicit")}
-        before = {} if self._pressure_before is None else {"pressure_before": self._pressure_before}
-        return fields | tendencies | scalars | before
+        return fields | tendencies | scalars
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Change all fields to what `state` gave; the next step is then bit-identical.
@@ -180,8 +165,6 @@ class Fluid:
             np.copyto(target, state[name])
         self.cfl_rate, self.square_sum = float(state["cfl_rate"]), float(state["square_sum"])
         self._last_dt = float(state["last_dt"])
-        before = state.get("pressure_before")
-        self._pressure_before = None if before is None else np.array(before)
         if bool(state["is_explicit"]) != self.is_explicit:
             self._last_dt = 0.0
             for tendency in self.tendency:
@@ -191,6 +174,4 @@ class Fluid:
     def bytes(self) -> int:
         """Memory of the fields and the solver."""
         arrays = [*self.velocity, self.p, self.increment, *self.tendency, *self._rate, self._scratch]
-        if self._pressure_before is not None:
-            arrays.append(self._pressure_before)
         return sum(a.nbytes for a in arrays) + int(self._projection.bytes)

@@ -27,17 +27,6 @@ inline double largest_divergence(const Grid& g, VelocityArrays q) {
     return most;
 }
 
-// now -> now + ratio (now - before), before -> now as it was: halos too.
-inline void extrapolate(const Grid& g, double* now, double* before, double ratio) {
-    const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(g.plane()) * (g.nz() + 2);
-#pragma omp parallel for simd num_threads(g.threads) schedule(static)
-    for (std::ptrdiff_t c = 0; c < size; ++c) {
-        const double value = now[c];
-        now[c] = value + ratio * (value - before[c]);
-        before[c] = value;
-    }
-}
-
 // Cell-centred velocity and pressure for output: velocity (nz, ny, nx, 3), pressure (nz, ny, nx), single
 // precision.
 inline void cell_values(const Grid& g, VelocityArrays q, const double* p, double density, float* velocity,
