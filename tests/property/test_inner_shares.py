@@ -10,7 +10,7 @@ from rdpm.particles.rigid_motion import INNER_SHARE, INNER_SHARE_SPIN, SPREAD_SH
 BAND = 0.006
 
 
-@pytest.mark.parametrize("across", [6, 8, 12])
+@pytest.mark.parametrize("across", [6, 8, 12, 16, 24])
 @pytest.mark.parametrize("offset", [(0.1, 0.2, 0.3), (0.5, 0.5, 0.5)])
 def test_impulse_on_the_markers_is_found_inside(across: int, offset: tuple[float, ...]) -> None:
     box = 3.0

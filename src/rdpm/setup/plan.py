@@ -161,7 +161,7 @@ def plan(case: Case) -> Plan:
     bodies = case.expanded_bodies()
     h = float(np.cbrt(np.prod(spacing))) if spacing else math.inf
     markers = sum(marker_count(0.5 * d, h) for d in bodies.diameter) if cells else 0
-    memory = memory_needed(cells, step.is_explicit, markers, step.longest is not None) if cells else 0
+    memory = memory_needed(cells, step.is_explicit, markers) if cells else 0
     _check_memory(case, cells, memory)
     pairs = _pairs(case, law, step.dt, found)
     steps = max(1, math.ceil(case.time.end / step.dt - 1e-6))

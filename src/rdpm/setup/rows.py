@@ -72,7 +72,7 @@ def _grid(
                 "cells a diameter",
                 f"{across:.3g}",
                 across >= 7.5,
-                "below 8 the drag is several per cent off and close bodies may be held apart" if across < 7.5 else "",
+                "below 8 the drag is several per cent off" if across < 7.5 else "",
             )
         )
         rows.append(_row("markers", f"{markers} on {len(diameters)} bodies"))

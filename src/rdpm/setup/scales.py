@@ -95,10 +95,10 @@ def scales(case: Case) -> Scales:
     )
 
 
-def memory_needed(cells: tuple[int, int, int], is_explicit: bool, markers: int, is_adaptive: bool = False) -> int:
+def memory_needed(cells: tuple[int, int, int], is_explicit: bool, markers: int) -> int:
     """Memory of the fields, the solver's factors and the markers [bytes]."""
     nx, ny, nz = cells
-    arrays = (8 if is_explicit else 11) + is_adaptive
+    arrays = 8 if is_explicit else 11
     planes = 40  # factors of the pressure solve, buffers of the momentum step
     return 8 * (nx + 2) * (ny + 2) * (arrays * (nz + 2) + planes) + BYTES_PER_MARKER * markers
 
