@@ -77,30 +77,43 @@ void bind_particles(nb::module_& module) {
         nb::gil_scoped_release released;
         sum_over_markers(bodies, f, r, dv, x, threads, sums);
     });
-    module.def(
-        "turn_vectors", [](const Indices& first, const Values& orientation, const Values& centre,
-                           const Values& in, bool back, bool add_centre, int threads, const Values& out) {
-            const int bodies = static_cast<int>(first.shape(0)) - 1;
-            const std::int32_t* f = checked(first, "first", {bodies + 1});
-            const int n = f[bodies];
-            const double *o = checked(orientation, "orientation", {bodies, 4}),
-                         *x = checked(centre, "centre", {bodies, 3}), *v = checked(in, "vectors", {n, 3});
-            double* turned = checked(out, "turned", {n, 3});
-            nb::gil_scoped_release released;
-            turn_vectors(bodies, f, o, add_centre ? x : nullptr, v, back, threads, turned);
-        });
-    module.def("rigid_change", [](const Indices& first, const Values& arm, const Values& velocity,
-                                  const Values& spin, const Values& fluid, double inverse_dt, int threads,
-                                  const Values& change, const Values& force) {
+    module.def("move_markers", [](const Indices& first, const Values& orientation, const Values& centre,
+                                  const Values& body_arm, const Values& body_force, int threads, const Values& arm,
+                                  const Values& position, const Values& force) {
         const int bodies = static_cast<int>(first.shape(0)) - 1;
         const std::int32_t* f = checked(first, "first", {bodies + 1});
         const int n = f[bodies];
-        const double *r = checked(arm, "arm", {n, 3}), *v = checked(velocity, "velocity", {bodies, 3}),
+        const double *o = checked(orientation, "orientation", {bodies, 4}), *x = checked(centre, "centre", {bodies, 3}),
+                     *r_body = checked(body_arm, "body arm", {n, 3}), *f_body = checked(body_force, "body force", {n, 3});
+        double *r = checked(arm, "arm", {n, 3}), *at = checked(position, "position", {n, 3}),
+               *given = checked(force, "force", {n, 3});
+        nb::gil_scoped_release released;
+        move_markers(bodies, f, o, x, r_body, f_body, threads, r, at, given);
+    });
+    module.def("keep_forces", [](const Indices& first, const Values& orientation, double share, int threads,
+                                 const Values& force, const Values& body_force) {
+        const int bodies = static_cast<int>(first.shape(0)) - 1;
+        const std::int32_t* f = checked(first, "first", {bodies + 1});
+        const int n = f[bodies];
+        const double* o = checked(orientation, "orientation", {bodies, 4});
+        double *given = checked(force, "force", {n, 3}), *f_body = checked(body_force, "body force", {n, 3});
+        nb::gil_scoped_release released;
+        keep_forces(bodies, f, o, share, threads, given, f_body);
+    });
+    module.def("rigid_change", [](const Indices& first, const Values& arm, const Values& volume, const Values& velocity,
+                                  const Values& spin, const Values& fluid, double inverse_dt, int threads,
+                                  const Values& change, const Values& force, const Values& out) {
+        const int bodies = static_cast<int>(first.shape(0)) - 1;
+        const std::int32_t* f = checked(first, "first", {bodies + 1});
+        const int n = f[bodies];
+        const double *r = checked(arm, "arm", {n, 3}), *dv = checked(volume, "volume", {n}),
+                     *v = checked(velocity, "velocity", {bodies, 3}),
                      *o = checked(spin, "angular velocity", {bodies, 3}),
                      *u = checked(fluid, "fluid velocity", {n, 3});
-        double *c = checked(change, "change", {n, 3}), *total = checked(force, "force", {n, 3});
+        double *c = checked(change, "change", {n, 3}), *total = checked(force, "force", {n, 3}),
+               *sums = checked(out, "sums", {bodies, 7});
         nb::gil_scoped_release released;
-        rigid_change(bodies, f, r, v, o, u, inverse_dt, threads, c, total);
+        rigid_change(bodies, f, r, dv, v, o, u, inverse_dt, threads, c, total, sums);
     });
     module.def("marker_moments", [](const Indices& first, const Values& arm, const Values& volume,
                                     int threads, const Values& out) {

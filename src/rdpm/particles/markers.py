@@ -92,25 +92,15 @@ class MarkerSet:
 
     def place(self, bodies: Bodies) -> None:
         """Move the markers, their stencils and their kept forces to where the bodies are now."""
-        threads, q = self.grid.threads, bodies.orientation
-        _core.turn_vectors(self.first, q, bodies.position, self._body_arm, False, False, threads, self.arm)
-        _core.turn_vectors(self.first, q, bodies.position, self._body_arm, False, True, threads, self.position)
-        _core.turn_vectors(self.first, q, bodies.position, self._body_force, False, False, threads, self.force)
+        _core.move_markers(
+            self.first, bodies.orientation, bodies.position, self._body_arm, self._body_force, self.grid.threads,
+            self.arm, self.position, self.force,
+        )  # fmt: skip
         self._stencils.place(self.grid.core, self.position)
 
     def keep_force(self, bodies: Bodies, share: float) -> None:
-        """Store this share of the present forces in the bodies' axes, for the next step."""
-        self.force *= share
-        _core.turn_vectors(
-            self.first,
-            bodies.orientation,
-            bodies.position,
-            self.force,
-            True,
-            False,
-            self.grid.threads,
-            self._body_force,
-        )
+        """Reduce the forces to this share, and store them in the bodies' axes for the next step."""
+        _core.keep_forces(self.first, bodies.orientation, share, self.grid.threads, self.force, self._body_force)
 
     def interpolate(self, velocity: tuple[Floats, Floats, Floats]) -> Floats:
         """Velocity of the fluid at the markers, (M, 3) [m/s]; the array is used again by the next call."""
@@ -127,20 +117,27 @@ class MarkerSet:
         _core.sum_over_markers(self.first, self.arm, self.volume, values, self.grid.threads, out)
         return out
 
-    def force_rigid(self, bodies: Bodies, dt: float) -> Floats:
-        """Change `force` so that the fluid at the markers moves rigidly; returns its velocity change (M, 3)."""
+    def force_rigid(self, bodies: Bodies, dt: float) -> tuple[Floats, Floats]:
+        """Change `force` so that the fluid at the markers moves rigidly.
+
+        Parameters
+        ----------
+        bodies : Bodies
+        dt : float, [s]
+
+        Returns
+        -------
+        change : ndarray, (M, 3), [m/s]
+            Of the fluid's velocity at the markers; the array is used again by the next call.
+        sums : ndarray, (N, 7)
+            `sums` of the change, and the sum of its square [m^2/s^2].
+        """
+        out = np.empty((self.first.size - 1, 7))
         _core.rigid_change(
-            self.first,
-            self.arm,
-            bodies.velocity,
-            bodies.angular_velocity,
-            self.fluid_velocity,
-            1.0 / dt,
-            self.grid.threads,
-            self._change,
-            self.force,
-        )
-        return self._change
+            self.first, self.arm, self.volume, bodies.velocity, bodies.angular_velocity, self.fluid_velocity, 1.0 / dt,
+            self.grid.threads, self._change, self.force, out,
+        )  # fmt: skip
+        return self._change, out
 
     def layer_inertia(self) -> tuple[Floats, Floats]:
         """Of each body's marker layer: volume (N,) [m^3] and its moment 2/3 sum volume r^2 (N,) [m^5]."""

@@ -172,10 +172,10 @@ class RigidMotion:
             solved = np.einsum("nij,nj->ni", answer, known + outer * (at_markers - total))
             np.copyto(bodies.velocity, solved[:, :3], where=free)
             np.copyto(bodies.angular_velocity, solved[:, 3:], where=free)
-            change = markers.force_rigid(bodies, dt)
-            total += density * markers.sums(change)
+            change, sums = markers.force_rigid(bodies, dt)
+            total += density * sums[:, :6]
             markers.spread(self.fluid.velocity, change, 1.0)
-        self.slip = float(np.sqrt(np.einsum("mc,mc->", change, change) / len(markers))) if len(markers) else 0.0
+        self.slip = float(np.sqrt(sums[:, 6].sum() / len(markers))) if len(markers) else 0.0
         self._foreseen = predicted + self._share * total
         fluid_on_body = (self._foreseen - self.inner + self.missed - given - total) / dt
         self.hydrodynamic_force, self.hydrodynamic_torque = fluid_on_body[:, :3], fluid_on_body[:, 3:]

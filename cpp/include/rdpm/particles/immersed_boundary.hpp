@@ -10,6 +10,7 @@
 
 #include "rdpm/fluid/momentum.hpp"
 #include "rdpm/particles/marker_stencils.hpp"
+#include "rdpm/particles/prefetch.hpp"
 
 namespace rdpm {
 
@@ -40,41 +41,27 @@ inline double interpolate_folded(const Grid& g, const double* q, const FoldedSte
     return sum + wall_part(g, s, component);
 }
 
-inline void interpolate_wrapped(const Grid& g, const VelocityArrays& q, const InnerMarker& m,
-                                const Weights& weights, int n, double* out) {
-    const double* field[3] = {q.u, q.v, q.w};
-    int nearest[3];
-    nearest_centre(g, m, nearest);
-    for (int component = 0; component < 3; ++component) {
-        const WrappedPoints at(g, m, nearest, component);
-        const PointWeights w(weights, component, n);
-        Four sum{};
-        for (int c = 0; c < 3; ++c)
-            for (int b = 0; b < 3; ++b) {
-                const double* r = field[component] + at.row[c][b];
-                sum += w.z[c] * w.y[b] *
-                       (at.is_whole ? *reinterpret_cast<const Four*>(r + at.x[0])
-                                    : Four{r[at.x[0]], r[at.x[1]], r[at.x[2]], 0.0});
-            }
-        out[component] = w.x[0] * sum[0] + w.x[1] * sum[1] + w.x[2] * sum[2];
-    }
+// Three neighbours along x of one row about a marker beside a periodic side.
+inline Four load(const double* row, const std::ptrdiff_t* x, bool is_whole) {
+    return is_whole ? *reinterpret_cast<const Four*>(row + x[0]) : Four{row[x[0]], row[x[1]], row[x[2]], 0.0};
 }
 
-// What a marker soon to come will read first: the planes below it are in cache already. Both ends of a row's
-// points, for these may lie in two lines. Inlined always: a call that only prefetches is removed as one
-// without effect.
-constexpr int prefetch_ahead = 16;
-
-[[gnu::always_inline]] inline void prefetch(const VelocityArrays& q, std::size_t row, std::size_t plane,
-                                            const InnerMarker& m) {
-    if (m.is_wrapped()) return;
-    for (const double* field : {q.u, q.v, q.w}) {
-        const double* p = field + m.first + 2 * plane;
-        for (int b = 0; b < 3; ++b, p += row) {
-            __builtin_prefetch(p - 1);
-            __builtin_prefetch(p + 3);
-        }
-    }
+template <int component>
+inline double interpolate_wrapped(const double* q, const WrappedPoints& at, const Weights& weights, int n) {
+    constexpr int in_x = weights_along<component>(0), in_y = weights_along<component>(1),
+                  in_z = weights_along<component>(2);
+    const std::ptrdiff_t *x = at.x + at.begin<component>(0), *y = at.y + at.begin<component>(1),
+                         *z = at.z + at.begin<component>(2);
+    const bool is_whole = x[2] == x[0] + 2;
+    const double y_low = weights.low[in_y + n], y_middle = weights.middle[in_y + n],
+                 y_high = weights.high[in_y + n];
+    const auto in_plane = [&](const double* p) {
+        return y_low * load(p + y[0], x, is_whole) + y_middle * load(p + y[1], x, is_whole) +
+               y_high * load(p + y[2], x, is_whole);
+    };
+    const Four sum = weights.low[in_z + n] * in_plane(q + z[0]) + weights.middle[in_z + n] * in_plane(q + z[1]) +
+                     weights.high[in_z + n] * in_plane(q + z[2]);
+    return weights.low[in_x + n] * sum[0] + weights.middle[in_x + n] * sum[1] + weights.high[in_x + n] * sum[2];
 }
 
 // Known at compile time which direction is on faces: the 27 terms unroll.
@@ -94,6 +81,20 @@ inline double interpolate_inner(std::size_t row, std::size_t plane, const double
     return weights.low[x + n] * sum[0] + weights.middle[x + n] * sum[1] + weights.high[x + n] * sum[2];
 }
 
+// Has what body b's markers will touch fetched while so many others are worked on.
+inline void aim(const StencilSet& set, int b, int markers, Prefetch& ahead) {
+    constexpr float margin = 2.7f;  // the farthest corner of a stencil [cells]
+    ahead.aim(set.body[b].lower, set.body[b].upper, margin, markers);
+}
+
+// The body to which an inner marker belongs.
+inline int body_of(const StencilSet& set, int inner) {
+    return static_cast<int>(std::upper_bound(set.body.begin(), set.body.end() - 1, inner,
+                                             [](int n, const BodyMarkers& body) { return n < body.begin; }) -
+                            set.body.begin()) -
+           1;
+}
+
 // Velocity at the markers, (markers, 3).
 inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet& set, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
@@ -101,23 +102,41 @@ inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet
     const int inner = set.count_inner(), folded = static_cast<int>(set.folded.size());
 #pragma omp parallel num_threads(g.threads) if (set.count() > 256)
     {
-#pragma omp for schedule(static) nowait
-        for (int begin = 0; begin < inner; begin += Weights::most) {
+        const int team = omp_get_num_threads(), me = omp_get_thread_num();
+        const int mine = static_cast<int>(static_cast<long>(inner) * me / team),
+                  others = static_cast<int>(static_cast<long>(inner) * (me + 1) / team);
+        Prefetch ahead(g, q, 0, g.nz() + 2);
+        int b = body_of(set, mine) - 1;
+        for (int begin = mine; begin < others;) {
+            if (begin == mine || begin == set.body[b + 1].begin) {
+                ++b;
+                while (set.body[b + 1].begin <= begin) ++b;
+                int after = b + 1;
+                while (set.body[after].begin < others && set.body[after + 1].begin == set.body[after].begin) ++after;
+                if (set.body[after].begin < others) {
+                    aim(set, after, set.body[b + 1].begin - begin, ahead);
+                    ahead.add(out + 3 * set.first[after], 3 * (set.first[after + 1] - set.first[after]));
+                }
+            }
             const InnerMarker* marker = set.inner.data() + begin;
-            const int count = std::min(Weights::most, inner - begin);
+            const int count = std::min({Weights::most, others - begin, set.body[b + 1].begin - begin});
             Weights weights;
             weights.find(marker, count);
             for (int n = 0; n < count; ++n) {
-                prefetch(q, row, plane, set.inner[std::min(begin + n + prefetch_ahead, inner - 1)]);
+                ahead.advance();
                 double* value = out + 3 * marker[n].marker;
                 if (marker[n].is_wrapped()) {
-                    interpolate_wrapped(g, q, marker[n], weights, n, value);
+                    const WrappedPoints at(g, marker[n]);
+                    value[0] = interpolate_wrapped<0>(q.u, at, weights, n);
+                    value[1] = interpolate_wrapped<1>(q.v, at, weights, n);
+                    value[2] = interpolate_wrapped<2>(q.w, at, weights, n);
                     continue;
                 }
                 value[0] = interpolate_inner<0>(row, plane, q.u, marker[n], weights, n);
                 value[1] = interpolate_inner<1>(row, plane, q.v, marker[n], weights, n);
                 value[2] = interpolate_inner<2>(row, plane, q.w, marker[n], weights, n);
             }
+            begin += count;
         }
 #pragma omp for schedule(static)
         for (int n = 0; n < folded; ++n)
@@ -161,27 +180,29 @@ inline void spread_inner(std::size_t row, std::size_t plane, double* q, const In
     }
 }
 
-// What a marker gives to the planes [first, last).
-inline void spread_wrapped(const Grid& g, const VelocityArrays& q, const InnerMarker& m,
-                           const Weights& weights, int n, const double* value, double strength, int first,
-                           int last) {
-    double* field[3] = {q.u, q.v, q.w};
-    int nearest[3];
-    nearest_centre(g, m, nearest);
-    for (int component = 0; component < 3; ++component) {
-        const WrappedPoints at(g, m, nearest, component);
-        const PointWeights w(weights, component, n);
-        const Four along_x = strength * value[component] * Four{w.x[0], w.x[1], w.x[2], 0.0};
-        for (int c = 0; c < 3; ++c) {
-            if (at.plane[c] < first || at.plane[c] >= last) continue;
-            for (int b = 0; b < 3; ++b) {
-                double* r = field[component] + at.row[c][b];
-                const Four f = w.z[c] * w.y[b] * along_x;
-                if (at.is_whole)
-                    *reinterpret_cast<Four*>(r + at.x[0]) += f;
-                else
-                    for (int a = 0; a < 3; ++a) r[at.x[a]] += f[a];
-            }
+// What a marker beside a periodic side gives to the planes [first, last).
+template <int component>
+inline void spread_wrapped(double* q, const WrappedPoints& at, const Weights& weights, int n, double strength,
+                           int first, int last) {
+    constexpr int in_x = weights_along<component>(0), in_y = weights_along<component>(1),
+                  in_z = weights_along<component>(2);
+    const int lowest = at.begin<component>(2);
+    const std::ptrdiff_t *x = at.x + at.begin<component>(0), *y = at.y + at.begin<component>(1);
+    const bool is_whole = x[2] == x[0] + 2;
+    const Four along_x =
+        strength * Four{weights.low[in_x + n], weights.middle[in_x + n], weights.high[in_x + n], 0.0};
+    const double in_plane[3] = {weights.low[in_z + n], weights.middle[in_z + n], weights.high[in_z + n]},
+                 in_row[3] = {weights.low[in_y + n], weights.middle[in_y + n], weights.high[in_y + n]};
+    for (int c = 0; c < 3; ++c) {
+        if (at.plane[lowest + c] < first || at.plane[lowest + c] >= last) continue;
+        double* p = q + at.z[lowest + c];
+        const Four f = in_plane[c] * along_x;
+        for (int b = 0; b < 3; ++b) {
+            double* r = p + y[b];
+            if (is_whole)
+                *reinterpret_cast<Four*>(r + x[0]) += in_row[b] * f;
+            else
+                for (int a = 0; a < 3; ++a) r[x[a]] += in_row[b] * f[a];
         }
     }
 }
@@ -189,37 +210,79 @@ inline void spread_wrapped(const Grid& g, const VelocityArrays& q, const InnerMa
 struct Source {
     const double *value, *volume;  // (markers, 3), (markers)
     double factor;
+};
 
-    [[gnu::always_inline]] void prefetch(int marker) const {
-        __builtin_prefetch(value + 3 * marker);
-        __builtin_prefetch(value + 3 * marker + 2);
-        __builtin_prefetch(volume + marker);
+// Inner markers that follow each other.
+struct Run {
+    int begin, end;
+    int count() const { return end - begin; }
+};
+
+// Which markers give to the planes [first, last): those from two planes below that of its nearest centre to one above
+// it are a marker's. `InnerMarker::first` lies in the plane before that of the nearest centre, and tells.
+struct Reach {
+    int first, last;
+    long whole[2], part[2];  // of `InnerMarker::first`, where the planes hold all a marker gives, or some of it
+
+    Reach(const Grid& g, int first, int last) : first(first), last(last) {
+        const auto offset = [&](int k) { return static_cast<long>(k - 1) * static_cast<long>(g.plane()); };
+        whole[0] = offset(first + 2), whole[1] = offset(last - 1);
+        part[0] = offset(first - 1), part[1] = offset(last + 2);
+    }
+
+    // Those of body b. All of them, where a body lies across a periodic side.
+    Run run_of(const Grid& g, const StencilSet& set, int b) const {
+        const BodyMarkers& body = set.body[b];
+        const Run all{body.begin, set.body[b + 1].begin}, none{all.begin, all.begin};
+        if (all.count() == 0) return none;
+        const int lowest = body.lower[2] - 2, highest = body.upper[2] + 1, n = g.nz();
+        if (lowest < 1 || highest > n) {
+            for (const int shift : {-n, 0, n})
+                if (lowest + shift < last && highest + shift >= first) return all;
+            return none;
+        }
+        if (lowest >= last || highest < first) return none;
+        if (lowest >= first && highest < last) return all;
+        // In the order of planes: those out of reach come first and last.
+        const auto begin = set.inner.begin() + all.begin, end = set.inner.begin() + all.end;
+        const auto before = [](long limit) {
+            return [limit](const InnerMarker& m) { return (m.is_wrapped() ? ~m.first : m.first) < limit; };
+        };
+        const auto from = std::partition_point(begin, end, before(part[0])),
+                   to = std::partition_point(from, end, before(part[1]));
+        return {static_cast<int>(from - set.inner.begin()), static_cast<int>(to - set.inner.begin())};
     }
 };
 
-// What the inner markers whose nearest centre is in plane k give to the planes [first, last).
-template <bool bounded>
-inline void spread_from_plane(const Grid& g, const VelocityArrays& q, const StencilSet& set,
-                              const Source& source, int k, int first, int last) {
+// What a run of inner markers gives to the planes [first, last).
+inline void spread_run(const Grid& g, const VelocityArrays& q, const StencilSet& set, const Source& source, Run run,
+                       int first, int last, Prefetch& ahead) {
     const std::size_t row = g.row(), plane = g.plane();
-    for (int begin = set.begin_of(g, k), end = set.begin_of(g, k + 1); begin < end; begin += Weights::most) {
+    const Reach reach(g, first, last);
+    for (int begin = run.begin; begin < run.end; begin += Weights::most) {
         const InnerMarker* marker = set.inner.data() + begin;
-        const int count = std::min(Weights::most, end - begin);
+        const int count = std::min(Weights::most, run.end - begin);
         Weights weights;
         weights.find(marker, count);
         for (int n = 0; n < count; ++n) {
+            ahead.advance();
             const InnerMarker& m = marker[n];
-            const InnerMarker& later = set.inner[std::min(begin + n + prefetch_ahead, set.count_inner() - 1)];
-            prefetch(q, row, plane, later);
-            source.prefetch(later.marker);
             const double *f = source.value + 3 * m.marker, strength = source.factor * source.volume[m.marker];
             if (m.is_wrapped()) {
-                spread_wrapped(g, q, m, weights, n, f, strength, first, last);
-                continue;
+                const WrappedPoints at(g, m);
+                spread_wrapped<0>(q.u, at, weights, n, strength * f[0], first, last);
+                spread_wrapped<1>(q.v, at, weights, n, strength * f[1], first, last);
+                spread_wrapped<2>(q.w, at, weights, n, strength * f[2], first, last);
+            } else if (m.first >= reach.whole[0] && m.first < reach.whole[1]) {
+                spread_inner<0, false>(row, plane, q.u, m, weights, n, strength * f[0], 0, 0, 0);
+                spread_inner<1, false>(row, plane, q.v, m, weights, n, strength * f[1], 0, 0, 0);
+                spread_inner<2, false>(row, plane, q.w, m, weights, n, strength * f[2], 0, 0, 0);
+            } else if (m.first >= reach.part[0] && m.first < reach.part[1]) {
+                const int k = m.first / static_cast<int>(plane);
+                spread_inner<0, true>(row, plane, q.u, m, weights, n, strength * f[0], k, first, last);
+                spread_inner<1, true>(row, plane, q.v, m, weights, n, strength * f[1], k, first, last);
+                spread_inner<2, true>(row, plane, q.w, m, weights, n, strength * f[2], k, first, last);
             }
-            spread_inner<0, bounded>(row, plane, q.u, m, weights, n, strength * f[0], k - 1, first, last);
-            spread_inner<1, bounded>(row, plane, q.v, m, weights, n, strength * f[1], k - 1, first, last);
-            spread_inner<2, bounded>(row, plane, q.w, m, weights, n, strength * f[2], k - 1, first, last);
         }
     }
 }
@@ -229,7 +292,7 @@ inline void spread(const Grid& g, const VelocityArrays& q, const StencilSet& set
                    const double* volume, double factor) {
     double* field[3] = {q.u, q.v, q.w};
     const Source source{value, volume, factor / g.volume()};
-    const int nz = g.nz();
+    const int nz = g.nz(), bodies = set.bodies();
     const long inner = set.count_inner();
     const int threads = set.count() > 256 ? std::min(g.threads, nz) : 1;
 #pragma omp parallel num_threads(threads)
@@ -237,26 +300,31 @@ inline void spread(const Grid& g, const VelocityArrays& q, const StencilSet& set
         const int team = omp_get_num_threads(), me = omp_get_thread_num();
         // Equal numbers of markers, cut between planes.
         const auto cut = [&](int t) {
+            if (t == 0) return 1;
             if (t == team) return nz + 1;
             int k = 1;
-            while (k <= nz && set.begin_of(g, k) < inner * t / team) ++k;
-            return t == 0 ? 1 : k;
+            for (long before = 0; k <= nz && before < inner * t / team; ++k) before += set.in_plane[k];
+            return k;
         };
         const int first = cut(me), last = cut(me + 1);
-        // Plane k gives to planes k - 2 to k + 1, beyond a periodic side to those at the other.
-        const auto reaches = [&](int k) {
-            for (int at = k - 2; at <= k + 1; ++at) {
-                const int wrapped = at < 1 ? at + nz : at > nz ? at - nz : at;
-                if (wrapped >= first && wrapped < last) return true;
-            }
-            return false;
+        const Reach reach(g, first, last);
+        int after = 0;  // the body to come
+        const auto next_run = [&] {
+            Run run{};
+            while (after < bodies && (run = reach.run_of(g, set, after++)).count() == 0) {}
+            return run;
         };
-        for (int k = 1; k <= nz; ++k) {
-            if (!reaches(k)) continue;
-            if (k - 2 >= first && k + 1 < last)
-                spread_from_plane<false>(g, q, set, source, k, first, last);
-            else
-                spread_from_plane<true>(g, q, set, source, k, first, last);
+        Prefetch ahead(g, q, first, last);
+        for (Run run = next_run(); run.count() > 0;) {
+            const Run next = next_run();
+            if (next.count() > 0) {
+                const int b = after - 1, markers = set.first[b + 1] - set.first[b];
+                aim(set, b, run.count(), ahead);
+                ahead.add(value + 3 * set.first[b], 3 * markers);
+                ahead.add(volume + set.first[b], markers);
+            }
+            spread_run(g, q, set, source, run, first, last, ahead);
+            run = next;
         }
         for (const FoldedStencils& s : set.folded) {
             const double strength = source.factor * volume[s.marker];

@@ -1,10 +1,13 @@
 // The fluid inside a sphere: its mean velocity and mean spin, by the volume fraction of the grid's faces.
 #pragma once
+#include <omp.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "rdpm/fluid/momentum.hpp"
 #include "rdpm/grid/grid.hpp"
+#include "rdpm/particles/prefetch.hpp"
 
 namespace rdpm {
 
@@ -14,41 +17,43 @@ inline double sum_of(const Eight& v) {
     return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
 }
 
-// Sums over the faces of one plane within a sphere, eight at a time: of weight, weight * value, and with x
-// and y.
+// Sums over faces within a sphere, eight at a time: of weight and weight * value, with x, y and their squares.
 struct PlaneSums {
     Eight weight{}, value{}, value_x{}, value_y{}, x_square{}, y_square{};
 };
 
-struct Sphere {
-    double square, slope;  // radius^2; of the weight over the squared distance
-};
-
 // A row of `count` faces from x on, its height y and squared distance yz. The fraction inside falls from one
-// to nothing over one cell, linearly in the squared distance, which needs no root.
-inline void add_row(const double* q, int count, double x, double dx, double y, double yz,
-                    const Sphere& sphere, PlaneSums& sums) {
+// to nothing over one cell, linearly in the squared distance, which needs no root: 0.5 + (square - r^2) slope.
+inline void add_row(const double* q, int count, double x, double dx, double y, double yz, double square, double slope,
+                    PlaneSums& sums) {
     const Eight lane{0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0}, none{}, all = none + 1.0;
-    for (int i = 0; i < count; i += 8) {
-        const Eight at = (x + i * dx) + lane * dx;
-        Eight inside = 0.5 + (sphere.square - yz - at * at) * sphere.slope;
+    const double on_axis = 0.5 + (square - yz) * slope;
+    Eight weight{}, values{};
+    for (int n = 0; n < count; n += 8) {
+        // The last eight end with the row, so that what follows, which may not be in the cache, is read of short
+        // rows only; none is counted twice.
+        const int i = std::max(0, std::min(n, count - 8));
+        const Eight at = (x + i * dx) + lane * dx, at_square = at * at;
+        Eight inside = on_axis - at_square * slope;
         inside = inside < none ? none : inside;
         inside = inside > all ? all : inside;
-        inside =
-            lane < none + (count - i) ? inside : none;  // what follows the row's end is read, and not counted
+        if (i < n) inside = lane < none + (n - i) ? none : inside;
+        if (count < 8) inside = lane < none + count ? inside : none;
         const Eight value = inside * *reinterpret_cast<const Eight*>(q + i);
-        sums.weight += inside;
-        sums.value += value;
+        weight += inside;
+        values += value;
         sums.value_x += value * at;
-        sums.value_y += value * y;
-        sums.x_square += inside * at * at;
-        sums.y_square += inside * (y * y);
+        sums.x_square += inside * at_square;
     }
+    sums.weight += weight;
+    sums.value += values;
+    sums.value_y += values * y;
+    sums.y_square += weight * (y * y);
 }
 
 // Adds one component's share of a body's mean (3), weight (3), moment (3) and squared arm (3).
 inline void add_component(const Grid& g, const double* field, int c, const double* centre, double radius,
-                          double* mean, double* weight, double* moment, double* arm_square) {
+                          Prefetch& ahead, double* mean, double* weight, double* moment, double* arm_square) {
     const double width = std::cbrt(g.volume()), square = radius * radius, slope = 0.5 / (radius * width),
                  reach = std::sqrt(square + radius * width);
     int lower[3], upper[3];
@@ -66,27 +71,26 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
         if (g.boundary[d] != periodic) return i;
         return i < 1 ? i + g.cells[d] : i > g.cells[d] ? i - g.cells[d] : i;
     };
-    const Sphere sphere{square, slope};
-    const double dx = g.spacing[0];
+    const double dx = g.spacing[0], cells_a_length = 1.0 / dx;
     for (int k = lower[2]; k <= upper[2]; ++k) {
         const double z = origin[2] + k * g.spacing[2];
         const double* plane = field + wrapped(2, k) * g.plane();
         PlaneSums sums;
         for (int j = lower[1]; j <= upper[1]; ++j) {
             const double y = origin[1] + j * g.spacing[1], yz = y * y + z * z;
+            ahead.advance();
             if (yz > reach * reach) continue;
             const double* row = plane + wrapped(1, j) * g.row();
-            for (int i = lower[0]; i <= upper[0]; i += 8)
-                __builtin_prefetch(row + 4 * g.row() + wrapped(0, i));
             const double half = std::sqrt(reach * reach - yz);
-            const int first = std::max(lower[0], static_cast<int>(std::ceil((-half - origin[0]) / dx))),
-                      last = std::min(upper[0], static_cast<int>(std::floor((half - origin[0]) / dx)));
+            // Rounded outwards: what lies outside has no weight.
+            const int first = std::max(lower[0], static_cast<int>((-half - origin[0]) * cells_a_length)),
+                      last = std::min(upper[0], static_cast<int>((half - origin[0]) * cells_a_length) + 1);
             // A row that crosses a periodic side is read in two pieces.
             for (int i = first; i <= last;) {
                 const int at = wrapped(0, i);
                 const int count =
                     g.boundary[0] == periodic ? std::min(last - i, g.nx() - at) + 1 : last - i + 1;
-                add_row(row + at, count, origin[0] + i * dx, dx, y, yz, sphere, sums);
+                add_row(row + at, count, origin[0] + i * dx, dx, y, yz, square, slope, sums);
                 i += count;
             }
         }
@@ -115,19 +119,37 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
     }
 }
 
+// Has what lies in the next sphere fetched, row by row with those of the present one.
+inline void aim(const Grid& g, const double* centre, double radius, Prefetch& ahead) {
+    std::int32_t lower[3], upper[3];
+    for (int d = 0; d < 3; ++d) {
+        lower[d] = static_cast<std::int32_t>((centre[d] - radius) / g.spacing[d]);
+        upper[d] = static_cast<std::int32_t>((centre[d] + radius) / g.spacing[d]) + 1;
+    }
+    constexpr float margin = 1.0f;
+    ahead.aim(lower, upper, margin, 3 * (upper[1] - lower[1]) * (upper[2] - lower[2]));
+}
+
 // Mean velocity (3) and spin (3) of the fluid within `radius` of each centre, (bodies, 6); sums normalised by
 // their weights.
 inline void inner_motion(const Grid& g, const VelocityArrays& q, int bodies, const double* position,
                          const double* radius, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
-#pragma omp parallel for num_threads(g.threads) schedule(dynamic, 1) if (bodies > 1)
-    for (int b = 0; b < bodies; ++b) {
-        double mean[3] = {}, weight[3] = {}, moment[3] = {}, arm_square[3] = {};
-        for (int c = 0; c < 3; ++c)
-            add_component(g, field[c], c, position + 3 * b, radius[b], mean, weight, moment, arm_square);
-        for (int c = 0; c < 3; ++c) {
-            out[6 * b + c] = weight[c] > 0.0 ? mean[c] / weight[c] : 0.0;
-            out[6 * b + 3 + c] = arm_square[c] > 0.0 ? moment[c] / arm_square[c] : 0.0;
+#pragma omp parallel num_threads(g.threads) if (bodies > 1)
+    {
+        Prefetch ahead(g, q, 0, g.nz() + 2);
+        const int me = omp_get_thread_num(), team = omp_get_num_threads(),
+                  begin = static_cast<int>(static_cast<long>(bodies) * me / team),
+                  end = static_cast<int>(static_cast<long>(bodies) * (me + 1) / team);
+        for (int b = begin; b < end; ++b) {
+            if (b + 1 < end) aim(g, position + 3 * (b + 1), radius[b + 1], ahead);
+            double mean[3] = {}, weight[3] = {}, moment[3] = {}, arm_square[3] = {};
+            for (int c = 0; c < 3; ++c)
+                add_component(g, field[c], c, position + 3 * b, radius[b], ahead, mean, weight, moment, arm_square);
+            for (int c = 0; c < 3; ++c) {
+                out[6 * b + c] = weight[c] > 0.0 ? mean[c] / weight[c] : 0.0;
+                out[6 * b + 3 + c] = arm_square[c] > 0.0 ? moment[c] / arm_square[c] : 0.0;
+            }
         }
     }
 }

@@ -1,16 +1,17 @@
 // Where the markers lie on the grid and the weights they have there, made once a step.
 //
-// Markers are ordered by the plane and the row they lie in, whatever body they belong to: the fields then
-// stream through the cache, which matters more than arithmetic where bodies are many. A marker away from the
-// sides is kept as the place of its nearest centre and its distance from it, and its weights are found again
-// at each use: that is less than reading them; across a periodic side its points are wrapped. Beside the
-// other sides the stencils are folded, and kept.
+// Markers are ordered by body, and within one by the plane and the row they lie in: what a body's markers touch of
+// the fields stays in the core's cache while they are worked on, and the next body's is fetched meanwhile. A marker
+// away from the sides is kept as the place of its nearest centre and its distance from it, and its weights are found
+// again at each use: that is less than reading them; across a periodic side its points are wrapped. Beside the other
+// sides the stencils are folded, and kept.
 #pragma once
 #include <omp.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "rdpm/particles/delta.hpp"
@@ -32,22 +33,32 @@ struct InnerMarker {
     bool is_wrapped() const { return first < 0; }
 };
 
+// The inner markers of one body: where they begin in `StencilSet::inner`, and the box of their nearest centres,
+// unwrapped, in cells.
+struct BodyMarkers {
+    std::int32_t begin, lower[3], upper[3];
+};
+
 struct StencilSet {
-    std::vector<InnerMarker> inner;  // by plane, by row
+    std::vector<InnerMarker> inner;  // body after body, within a body by plane and row
     std::vector<FoldedStencils> folded;
-    std::vector<std::int32_t> first;  // markers first[b] to first[b + 1] belong to body b
-    std::vector<std::int32_t> row;    // of each marker, counted through all planes; -1 if folded
-    std::vector<std::int32_t> begin;  // of each such row in `inner`, and one more
+    std::vector<std::int32_t> first;                 // markers first[b] to first[b + 1] belong to body b
+    std::vector<BodyMarkers> body;                   // and one more, of which only `begin` counts
+    std::vector<std::int32_t> in_plane;              // inner markers whose nearest centre is in a plane
+    std::vector<std::int32_t> row;                   // of each marker, within its body's box; -1 if folded
+    std::vector<std::vector<std::int32_t>> scratch;  // of each thread: where a body's rows begin
 
     StencilSet(const Grid& g, const std::int32_t* of_body, int bodies)
-        : first(of_body, of_body + bodies + 1), row(first.back()), begin(rows(g) + 2) {
+        : first(of_body, of_body + bodies + 1),
+          body(bodies + 1),
+          in_plane(g.nz() + 2),
+          row(first.back()),
+          scratch(std::max(1, g.threads)) {
         inner.reserve(row.size());
     }
-    static std::size_t rows(const Grid& g) { return static_cast<std::size_t>(g.nz() + 2) * (g.ny() + 2); }
+    int bodies() const { return static_cast<int>(body.size()) - 1; }
     int count() const { return static_cast<int>(row.size()); }
     int count_inner() const { return static_cast<int>(inner.size()); }
-    // The first marker of plane k in `inner`.
-    int begin_of(const Grid& g, int k) const { return begin[static_cast<std::size_t>(k) * (g.ny() + 2)]; }
 };
 
 // Four neighbouring doubles at once; the fourth enters with weight zero.
@@ -92,19 +103,19 @@ inline std::ptrdiff_t first_point(const InnerMarker& m, std::size_t row, std::si
 
 enum class Place { inside, wrapped, folded };
 
-// The nearest centre, wrapped into the box, and the marker's distance from it in cells.
-inline Place locate(const Grid& g, const double* x, int* middle, double* from_centre) {
+// The nearest centre and the marker's distance from it in cells. The nearest face is one before where that is
+// negative; one point further on along x is read, with weight zero.
+inline Place locate(const Grid& g, const double* x, int* nearest, double* from_centre) {
     Place place = Place::inside;
     for (int d = 0; d < 3; ++d) {
         const double at = x[d] / g.spacing[d];
-        const int nearest = static_cast<int>(std::floor(at + 1.0)), n = g.cells[d];
-        from_centre[d] = at + 0.5 - nearest;
-        middle[d] = nearest;
-        // The nearest face may be one before; one point further on is read, with weight zero.
-        if (nearest >= 3 && nearest < n - 1) continue;
-        if (g.boundary[d] != periodic) return Place::folded;
-        place = Place::wrapped;
-        middle[d] = ((nearest - 1) % n + n) % n + 1;
+        nearest[d] = static_cast<int>(std::floor(at + 1.0));
+        from_centre[d] = at + 0.5 - nearest[d];
+        if (g.boundary[d] != periodic) {
+            if (nearest[d] < 3 || nearest[d] >= g.cells[d] - 1) return Place::folded;
+        } else if (nearest[d] < (std::signbit(from_centre[d]) ? 3 : 2) || nearest[d] >= g.cells[d]) {
+            place = Place::wrapped;
+        }
     }
     return place;
 }
@@ -116,93 +127,110 @@ inline void fold(const Grid& g, const double* x, FoldedStencils& out) {
     }
 }
 
+// Finds the box of one body's inner markers and how many there are.
+inline void measure_body(const Grid& g, const double* position, StencilSet& set, int b) {
+    BodyMarkers& body = set.body[b];
+    body.begin = 0;
+    for (int d = 0; d < 3; ++d) body.lower[d] = INT32_MAX, body.upper[d] = INT32_MIN;
+    for (int m = set.first[b]; m < set.first[b + 1]; ++m) {
+        int nearest[3] = {};
+        double from_centre[3];
+        set.row[m] = locate(g, position + 3 * m, nearest, from_centre) == Place::folded ? -1 : 0;
+        if (set.row[m] < 0) continue;
+        ++body.begin;
+        for (int d = 0; d < 3; ++d) {
+            body.lower[d] = std::min(body.lower[d], nearest[d]);
+            body.upper[d] = std::max(body.upper[d], nearest[d]);
+        }
+    }
+}
+
+// Puts one body's inner markers into their order.
+inline void order_body(const Grid& g, const double* position, StencilSet& set, int b,
+                       std::vector<std::int32_t>& begin) {
+    const BodyMarkers& body = set.body[b];
+    if (body.begin == set.body[b + 1].begin) return;
+    const int rows = body.upper[1] - body.lower[1] + 1, planes = body.upper[2] - body.lower[2] + 1;
+    const auto row = static_cast<std::int32_t>(g.row()), plane = static_cast<std::int32_t>(g.plane());
+    const auto wrapped = [&](int d, int i) { return ((i - 1) % g.cells[d] + g.cells[d]) % g.cells[d] + 1; };
+    // begin[r + 1] counts, then moves from the begin of row r to its end while the markers are put in.
+    begin.assign(static_cast<std::size_t>(rows) * planes + 2, 0);
+    for (int m = set.first[b]; m < set.first[b + 1]; ++m) {
+        if (set.row[m] < 0) continue;
+        int nearest[3] = {};
+        double from_centre[3];
+        locate(g, position + 3 * m, nearest, from_centre);
+        set.row[m] = (nearest[2] - body.lower[2]) * rows + nearest[1] - body.lower[1];
+        ++begin[set.row[m] + 2];
+    }
+    for (std::size_t r = 2; r < begin.size(); ++r) begin[r] += begin[r - 1];
+    for (int k = 0; k < planes; ++k) {
+        const std::int32_t count = begin[(k + 1) * rows + 1] - begin[k * rows + 1];
+        std::int32_t& total = set.in_plane[wrapped(2, body.lower[2] + k)];
+#pragma omp atomic
+        total += count;
+    }
+    for (int m = set.first[b]; m < set.first[b + 1]; ++m) {
+        if (set.row[m] < 0) continue;
+        InnerMarker& s = set.inner[body.begin + begin[set.row[m] + 1]++];
+        int nearest[3] = {};
+        const Place place = locate(g, position + 3 * m, nearest, s.from_centre);
+        if (place == Place::wrapped)
+            for (int d = 0; d < 3; ++d) nearest[d] = wrapped(d, nearest[d]);
+        s.first = (nearest[2] - 1) * plane + (nearest[1] - 1) * row + nearest[0] - 1;
+        if (place == Place::wrapped) s.first = ~s.first;
+        s.marker = m;
+    }
+}
+
 // Order and stencils of all markers.
 inline void place(const Grid& g, const double* position, StencilSet& set) {
-    const int markers = set.count();
-    const auto row = static_cast<std::int32_t>(g.row()), plane = static_cast<std::int32_t>(g.plane());
-#pragma omp parallel for num_threads(g.threads) schedule(static) if (markers > 256)
-    for (int m = 0; m < markers; ++m) {
-        int middle[3] = {};
-        double from_centre[3];
-        const bool folded = locate(g, position + 3 * m, middle, from_centre) == Place::folded;
-        set.row[m] = folded ? -1 : middle[2] * (g.ny() + 2) + middle[1];
-    }
+    const int bodies = set.bodies(), threads = std::min<int>(g.threads, set.scratch.size());
+#pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
+    for (int b = 0; b < bodies; ++b) measure_body(g, position, set, b);
 
-    // begin[r + 1] counts, then moves from the begin of row r to its end while the markers are put in.
-    std::fill(set.begin.begin(), set.begin.end(), 0);
-    std::size_t folded = 0;
-    for (int m = 0; m < markers; ++m) ++(set.row[m] < 0 ? set.begin[0] : set.begin[set.row[m] + 2]);
-    folded = set.begin[0];
-    set.begin[0] = 0;
-    for (std::size_t r = 2; r < set.begin.size(); ++r) set.begin[r] += set.begin[r - 1];
-    set.inner.resize(markers - folded);
-    set.folded.resize(folded);
-    folded = 0;
-    for (int m = 0; m < markers; ++m)
-        if (set.row[m] < 0)
-            set.folded[folded++].marker = m;
-        else
-            set.inner[set.begin[set.row[m] + 1]++].marker = m;
+    set.body[bodies].begin = 0;
+    std::int32_t inner = 0;
+    for (BodyMarkers& body : set.body) inner += std::exchange(body.begin, inner);
+    set.inner.resize(inner);
+    set.folded.resize(set.count() - inner);
+    if (!set.folded.empty())
+        for (int m = 0, n = 0; m < set.count(); ++m)
+            if (set.row[m] < 0) {
+                set.folded[n].marker = m;
+                fold(g, position + 3 * m, set.folded[n++]);
+            }
 
-#pragma omp parallel num_threads(g.threads) if (markers > 256)
-    {
-#pragma omp for schedule(static) nowait
-        for (std::size_t n = 0; n < set.inner.size(); ++n) {
-            InnerMarker& s = set.inner[n];
-            int middle[3] = {};
-            const Place place = locate(g, position + 3 * s.marker, middle, s.from_centre);
-            s.first = (middle[2] - 1) * plane + (middle[1] - 1) * row + middle[0] - 1;
-            if (place == Place::wrapped) s.first = ~s.first;
-        }
-#pragma omp for schedule(static)
-        for (std::size_t n = 0; n < set.folded.size(); ++n)
-            fold(g, position + 3 * set.folded[n].marker, set.folded[n]);
-    }
+    std::fill(set.in_plane.begin(), set.in_plane.end(), 0);
+#pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
+    for (int b = 0; b < bodies; ++b) order_body(g, position, set, b, set.scratch[omp_get_thread_num()]);
 }
 
-// The nine rows of 27 points of a component about a marker beside a periodic side.
+// Where the points about a marker beside a periodic side are: offsets of four planes, rows and columns in a line,
+// the third of each being that of the nearest centre.
 struct WrappedPoints {
-    std::ptrdiff_t row[3][3];  // offset of its first cell; [plane][row]
-    int plane[3], x[3];
-    bool is_whole;  // three neighbours in memory
+    std::ptrdiff_t x[4], y[4], z[4];
+    int plane[4];
+    bool is_below[3];  // the nearest face is one before the nearest centre
 
-    // `nearest`: the nearest centre.
-    WrappedPoints(const Grid& g, const InnerMarker& m, const int* nearest, int component) {
-        int y[3];
-        int* index[3] = {x, y, plane};
-        for (int d = 0; d < 3; ++d) {
-            const int n = g.cells[d],
-                      low = nearest[d] - 1 - (d == component && std::signbit(m.from_centre[d]));
-            for (int a = 0; a < 3; ++a)
-                index[d][a] = low + a < 1 ? low + a + n : low + a > n ? low + a - n : low + a;
+    WrappedPoints(const Grid& g, const InnerMarker& m) {
+        const int first = ~m.first, row = static_cast<int>(g.row()), plane_size = static_cast<int>(g.plane());
+        const int k = first / plane_size, j = (first - k * plane_size) / row;
+        const int nearest[3] = {first - k * plane_size - j * row + 1, j + 1, k + 1};
+        const auto wrapped = [&](int d, int i) { return i < 1 ? i + g.cells[d] : i > g.cells[d] ? i - g.cells[d] : i; };
+        for (int a = 0; a < 4; ++a) {
+            x[a] = wrapped(0, nearest[0] - 2 + a);
+            y[a] = wrapped(1, nearest[1] - 2 + a) * static_cast<std::ptrdiff_t>(row);
+            plane[a] = wrapped(2, nearest[2] - 2 + a);
+            z[a] = plane[a] * static_cast<std::ptrdiff_t>(plane_size);
         }
-        for (int c = 0; c < 3; ++c)
-            for (int b = 0; b < 3; ++b)
-                row[c][b] = static_cast<std::ptrdiff_t>(plane[c] * g.plane() + y[b] * g.row());
-        is_whole = x[2] == x[0] + 2;
+        for (int d = 0; d < 3; ++d) is_below[d] = std::signbit(m.from_centre[d]);
+    }
+    // The first of a component's three points along a direction.
+    template <int component>
+    int begin(int d) const {
+        return d == component && is_below[d] ? 0 : 1;
     }
 };
-
-struct PointWeights {
-    double x[3], y[3], z[3];
-
-    PointWeights(const Weights& all, int component, int n) {
-        double* out[3] = {x, y, z};
-        for (int d = 0; d < 3; ++d) {
-            const int at = Weights::most * (d == component ? 3 + d : d) + n;
-            out[d][0] = all.low[at];
-            out[d][1] = all.middle[at];
-            out[d][2] = all.high[at];
-        }
-    }
-};
-
-inline void nearest_centre(const Grid& g, const InnerMarker& m, int* nearest) {
-    const int first = ~m.first, row = static_cast<int>(g.row()), plane = static_cast<int>(g.plane());
-    const int k = first / plane, j = (first - k * plane) / row;
-    nearest[0] = first - k * plane - j * row + 1;
-    nearest[1] = j + 1;
-    nearest[2] = k + 1;
-}
 
 }  // namespace rdpm

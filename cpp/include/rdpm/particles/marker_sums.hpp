@@ -7,64 +7,103 @@
 
 namespace rdpm {
 
-// Vectors of each body's markers turned by its unit quaternion (w, x, y, z), or back; `centre` is added if
-// given.
-inline void turn_vectors(int bodies, const std::int32_t* first, const double* orientation,
-                         const double* centre, const double* in, bool back, int threads, double* out) {
-#pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
-    for (int b = 0; b < bodies; ++b) {
-        const double *o = orientation + 4 * b, w = o[0], x = back ? -o[1] : o[1], y = back ? -o[2] : o[2],
-                     z = back ? -o[3] : o[3];
+// Turns body axes into box axes by a unit quaternion (w, x, y, z).
+struct Turn {
+    double row[3][3];
+
+    explicit Turn(const double* o) {
+        const double w = o[0], x = o[1], y = o[2], z = o[3];
         const double turn[3][3] = {
             {1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)},
             {2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)},
             {2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)}};
+        std::copy_n(&turn[0][0], 9, &row[0][0]);
+    }
+    double forth(const double* v, int c) const { return row[c][0] * v[0] + row[c][1] * v[1] + row[c][2] * v[2]; }
+    double back(const double* v, int c) const { return row[0][c] * v[0] + row[1][c] * v[1] + row[2][c] * v[2]; }
+};
+
+// Arms, positions and forces of each body's markers from arms and forces in its axes.
+inline void move_markers(int bodies, const std::int32_t* first, const double* orientation, const double* centre,
+                         const double* body_arm, const double* body_force, int threads, double* arm,
+                         double* position, double* force) {
+#pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
+    for (int b = 0; b < bodies; ++b) {
+        const Turn turn(orientation + 4 * b);
+        for (int m = first[b]; m < first[b + 1]; ++m)
+            for (int c = 0; c < 3; ++c) {
+                arm[3 * m + c] = turn.forth(body_arm + 3 * m, c);
+                position[3 * m + c] = arm[3 * m + c] + centre[3 * b + c];
+                force[3 * m + c] = turn.forth(body_force + 3 * m, c);
+            }
+    }
+}
+
+// What each marker keeps of its force, in its body's axes; `force` is reduced to it as well.
+inline void keep_forces(int bodies, const std::int32_t* first, const double* orientation, double share, int threads,
+                        double* force, double* body_force) {
+#pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
+    for (int b = 0; b < bodies; ++b) {
+        const Turn turn(orientation + 4 * b);
         for (int m = first[b]; m < first[b + 1]; ++m) {
-            const double v[3] = {in[3 * m], in[3 * m + 1], in[3 * m + 2]};
-            for (int c = 0; c < 3; ++c)
-                out[3 * m + c] = turn[c][0] * v[0] + turn[c][1] * v[1] + turn[c][2] * v[2] +
-                                 (centre ? centre[3 * b + c] : 0.0);
+            double* f = force + 3 * m;
+            for (int c = 0; c < 3; ++c) f[c] *= share;
+            for (int c = 0; c < 3; ++c) body_force[3 * m + c] = turn.back(f, c);
         }
     }
 }
 
-// Of each body: sum of volume * value, sum of arm x (volume * value), in the order of its markers. (bodies,
-// 6).
+// Sum of volume * value, and of arm x (volume * value).
+struct Impulse {
+    double sum[6] = {};
+
+    void add(const double* arm, double volume, const double* value) {
+        const double fx = volume * value[0], fy = volume * value[1], fz = volume * value[2];
+        sum[0] += fx;
+        sum[1] += fy;
+        sum[2] += fz;
+        sum[3] += arm[1] * fz - arm[2] * fy;
+        sum[4] += arm[2] * fx - arm[0] * fz;
+        sum[5] += arm[0] * fy - arm[1] * fx;
+    }
+};
+
+// The impulse of the values at each body's markers, in their order. (bodies, 6).
 inline void sum_over_markers(int bodies, const std::int32_t* first, const double* arm, const double* volume,
                              const double* value, int threads, double* out) {
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
     for (int b = 0; b < bodies; ++b) {
-        double s[6] = {};
-        for (int m = first[b]; m < first[b + 1]; ++m) {
-            const double *r = arm + 3 * m, fx = volume[m] * value[3 * m], fy = volume[m] * value[3 * m + 1],
-                         fz = volume[m] * value[3 * m + 2];
-            s[0] += fx;
-            s[1] += fy;
-            s[2] += fz;
-            s[3] += r[1] * fz - r[2] * fy;
-            s[4] += r[2] * fx - r[0] * fz;
-            s[5] += r[0] * fy - r[1] * fx;
-        }
-        std::copy_n(s, 6, out + 6 * b);
+        Impulse impulse;
+        for (int m = first[b]; m < first[b + 1]; ++m) impulse.add(arm + 3 * m, volume[m], value + 3 * m);
+        std::copy_n(impulse.sum, 6, out + 6 * b);
     }
 }
 
-// change = rigid velocity of the body - velocity of the fluid there; force += change / dt.
-inline void rigid_change(int bodies, const std::int32_t* first, const double* arm, const double* velocity,
-                         const double* spin, const double* fluid, double inverse_dt, int threads,
-                         double* change, double* force) {
+// change = rigid velocity of the body - velocity of the fluid there; force += change / dt. Of each body, (bodies, 7):
+// the impulse of the change, and the sum of its square.
+inline void rigid_change(int bodies, const std::int32_t* first, const double* arm, const double* volume,
+                         const double* velocity, const double* spin, const double* fluid, double inverse_dt,
+                         int threads, double* change, double* force, double* out) {
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
     for (int b = 0; b < bodies; ++b) {
         const double *v = velocity + 3 * b, *o = spin + 3 * b;
+        Impulse impulse;
+        double squares = 0.0;
         for (int m = first[b]; m < first[b + 1]; ++m) {
             const double* r = arm + 3 * m;
             const double rigid[3] = {v[0] + o[1] * r[2] - o[2] * r[1], v[1] + o[2] * r[0] - o[0] * r[2],
                                      v[2] + o[0] * r[1] - o[1] * r[0]};
             for (int c = 0; c < 3; ++c) {
-                change[3 * m + c] = rigid[c] - fluid[3 * m + c];
-                force[3 * m + c] += inverse_dt * change[3 * m + c];
+                const double gained = rigid[c] - fluid[3 * m + c];
+                change[3 * m + c] = gained;
+                force[3 * m + c] += inverse_dt * gained;
             }
+            const double* c = change + 3 * m;
+            squares += c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
+            impulse.add(r, volume[m], change + 3 * m);
         }
+        std::copy_n(impulse.sum, 6, out + 7 * b);
+        out[7 * b + 6] = squares;
     }
 }
 
