@@ -47,38 +47,39 @@ inline Four load(const double* row, const std::ptrdiff_t* x, bool is_whole) {
 }
 
 template <int component>
-inline double interpolate_wrapped(const double* q, const WrappedPoints& at, const Weights& weights, int n) {
-    constexpr int in_x = weights_along<component>(0), in_y = weights_along<component>(1),
-                  in_z = weights_along<component>(2);
+inline Four interpolate_wrapped(const double* q, const WrappedPoints& at, const Weights& weights, int n) {
+    const auto &in_y = weights.y[component == 1], &in_z = weights.z[component == 2];
     const std::ptrdiff_t *x = at.x + at.begin<component>(0), *y = at.y + at.begin<component>(1),
                          *z = at.z + at.begin<component>(2);
     const bool is_whole = x[2] == x[0] + 2;
-    const double y_low = weights.low[in_y + n], y_middle = weights.middle[in_y + n],
-                 y_high = weights.high[in_y + n];
     const auto in_plane = [&](const double* p) {
-        return y_low * load(p + y[0], x, is_whole) + y_middle * load(p + y[1], x, is_whole) +
-               y_high * load(p + y[2], x, is_whole);
+        return in_y[0][n] * load(p + y[0], x, is_whole) + in_y[1][n] * load(p + y[1], x, is_whole) +
+               in_y[2][n] * load(p + y[2], x, is_whole);
     };
-    const Four sum = weights.low[in_z + n] * in_plane(q + z[0]) + weights.middle[in_z + n] * in_plane(q + z[1]) +
-                     weights.high[in_z + n] * in_plane(q + z[2]);
-    return weights.low[in_x + n] * sum[0] + weights.middle[in_x + n] * sum[1] + weights.high[in_x + n] * sum[2];
+    return weights.x[component == 0][n] * (in_z[0][n] * in_plane(q + z[0]) + in_z[1][n] * in_plane(q + z[1]) +
+                                           in_z[2][n] * in_plane(q + z[2]));
 }
 
-// Known at compile time which direction is on faces: the 27 terms unroll.
+// Known at compile time which direction is on faces: the 27 terms unroll. What is left is to add up the four.
 template <int component>
-inline double interpolate_inner(std::size_t row, std::size_t plane, const double* q, const InnerMarker& m,
-                                const Weights& weights, int n) {
-    constexpr int x = weights_along<component>(0), y = weights_along<component>(1),
-                  z = weights_along<component>(2);
-    const double* p = q + first_point<component>(m, row, plane);
-    const double y_low = weights.low[y + n], y_middle = weights.middle[y + n], y_high = weights.high[y + n];
+inline Four interpolate_inner(std::size_t row, std::size_t plane, const double* q, const InnerMarker& m,
+                              const Weights& weights, int n) {
+    const auto &in_y = weights.y[component == 1], &in_z = weights.z[component == 2];
+    const double* p = q + m.first[component];
     const auto in_plane = [&](const double* r) {
         const auto at = [](const double* value) { return *reinterpret_cast<const Four*>(value); };
-        return y_low * at(r) + y_middle * at(r + row) + y_high * at(r + 2 * row);
+        return in_y[0][n] * at(r) + in_y[1][n] * at(r + row) + in_y[2][n] * at(r + 2 * row);
     };
-    const Four sum = weights.low[z + n] * in_plane(p) + weights.middle[z + n] * in_plane(p + plane) +
-                     weights.high[z + n] * in_plane(p + 2 * plane);
-    return weights.low[x + n] * sum[0] + weights.middle[x + n] * sum[1] + weights.high[x + n] * sum[2];
+    return weights.x[component == 0][n] *
+           (in_z[0][n] * in_plane(p) + in_z[1][n] * in_plane(p + plane) + in_z[2][n] * in_plane(p + 2 * plane));
+}
+
+inline void add_up(const Four& u, const Four& v, const Four& w, double* out) {
+    typedef long long Lanes __attribute__((vector_size(32)));
+    const Four uv = __builtin_shuffle(u, v, Lanes{0, 4, 2, 6}) + __builtin_shuffle(u, v, Lanes{1, 5, 3, 7});
+    out[0] = uv[0] + uv[2];
+    out[1] = uv[1] + uv[3];
+    out[2] = (w[0] + w[1]) + w[2];
 }
 
 // Has what body b's markers will touch fetched while so many others are worked on.
@@ -121,20 +122,19 @@ inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet
             const InnerMarker* marker = set.inner.data() + begin;
             const int count = std::min({Weights::most, others - begin, set.body[b + 1].begin - begin});
             Weights weights;
-            weights.find(marker, count);
+            weights.find(set, begin);
             for (int n = 0; n < count; ++n) {
                 ahead.advance();
                 double* value = out + 3 * marker[n].marker;
                 if (marker[n].is_wrapped()) {
-                    const WrappedPoints at(g, marker[n]);
-                    value[0] = interpolate_wrapped<0>(q.u, at, weights, n);
-                    value[1] = interpolate_wrapped<1>(q.v, at, weights, n);
-                    value[2] = interpolate_wrapped<2>(q.w, at, weights, n);
+                    const WrappedPoints at(g, set, begin + n);
+                    add_up(interpolate_wrapped<0>(q.u, at, weights, n), interpolate_wrapped<1>(q.v, at, weights, n),
+                           interpolate_wrapped<2>(q.w, at, weights, n), value);
                     continue;
                 }
-                value[0] = interpolate_inner<0>(row, plane, q.u, marker[n], weights, n);
-                value[1] = interpolate_inner<1>(row, plane, q.v, marker[n], weights, n);
-                value[2] = interpolate_inner<2>(row, plane, q.w, marker[n], weights, n);
+                add_up(interpolate_inner<0>(row, plane, q.u, marker[n], weights, n),
+                       interpolate_inner<1>(row, plane, q.v, marker[n], weights, n),
+                       interpolate_inner<2>(row, plane, q.w, marker[n], weights, n), value);
             }
             begin += count;
         }
@@ -159,24 +159,24 @@ inline void spread_folded(const Grid& g, double* q, const FoldedStencils& s, int
     }
 }
 
-// `lowest`: plane of the first of the marker's centres.
+// `lowest`: plane of the first of the marker's points.
 template <int component, bool bounded>
 inline void spread_inner(std::size_t row, std::size_t plane, double* q, const InnerMarker& m,
-                         const Weights& weights, int n, double strength, int lowest, int first, int last) {
-    constexpr int x = weights_along<component>(0), y = weights_along<component>(1),
-                  z = weights_along<component>(2);
-    const Four along_x = strength * Four{weights.low[x + n], weights.middle[x + n], weights.high[x + n], 0.0};
-    double* p = q + first_point<component>(m, row, plane);
-    if (component == face_z) lowest -= std::signbit(m.from_centre[2]);
-    const double in_z[3] = {weights.low[z + n], weights.middle[z + n], weights.high[z + n]};
-    const double y_low = weights.low[y + n], y_middle = weights.middle[y + n], y_high = weights.high[y + n];
+                         const Weights& weights, int n, double strength, int first, int last) {
+    const auto &in_y = weights.y[component == 1], &in_z = weights.z[component == 2];
+    const Four along_x = strength * weights.x[component == 0][n];
+    double* p = q + m.first[component];
+    const int lowest = bounded ? m.first[component] / static_cast<int>(plane) : 0;
     const auto at = [](double* r) -> Four& { return *reinterpret_cast<Four*>(r); };
+    // Read before anything is written, which may alias them.
+    const double z[3] = {in_z[0][n], in_z[1][n], in_z[2][n]}, low = in_y[0][n], middle = in_y[1][n],
+                 high = in_y[2][n];
     for (int c = 0; c < 3; ++c, p += plane) {
         if (bounded && (lowest + c < first || lowest + c >= last)) continue;
-        const Four f = in_z[c] * along_x;
-        at(p) += y_low * f;
-        at(p + row) += y_middle * f;
-        at(p + 2 * row) += y_high * f;
+        const Four f = z[c] * along_x;
+        at(p) += low * f;
+        at(p + row) += middle * f;
+        at(p + 2 * row) += high * f;
     }
 }
 
@@ -184,15 +184,13 @@ inline void spread_inner(std::size_t row, std::size_t plane, double* q, const In
 template <int component>
 inline void spread_wrapped(double* q, const WrappedPoints& at, const Weights& weights, int n, double strength,
                            int first, int last) {
-    constexpr int in_x = weights_along<component>(0), in_y = weights_along<component>(1),
-                  in_z = weights_along<component>(2);
+    const auto &in_y = weights.y[component == 1], &in_z = weights.z[component == 2];
     const int lowest = at.begin<component>(2);
     const std::ptrdiff_t *x = at.x + at.begin<component>(0), *y = at.y + at.begin<component>(1);
     const bool is_whole = x[2] == x[0] + 2;
-    const Four along_x =
-        strength * Four{weights.low[in_x + n], weights.middle[in_x + n], weights.high[in_x + n], 0.0};
-    const double in_plane[3] = {weights.low[in_z + n], weights.middle[in_z + n], weights.high[in_z + n]},
-                 in_row[3] = {weights.low[in_y + n], weights.middle[in_y + n], weights.high[in_y + n]};
+    const Four along_x = strength * weights.x[component == 0][n];
+    const double in_plane[3] = {in_z[0][n], in_z[1][n], in_z[2][n]},
+                 in_row[3] = {in_y[0][n], in_y[1][n], in_y[2][n]};
     for (int c = 0; c < 3; ++c) {
         if (at.plane[lowest + c] < first || at.plane[lowest + c] >= last) continue;
         double* p = q + at.z[lowest + c];
@@ -219,10 +217,10 @@ struct Run {
 };
 
 // Which markers give to the planes [first, last): those from two planes below that of its nearest centre to one above
-// it are a marker's. `InnerMarker::first` lies in the plane before that of the nearest centre, and tells.
+// it are a marker's. `InnerMarker::offset` tells.
 struct Reach {
     int first, last;
-    long whole[2], part[2];  // of `InnerMarker::first`, where the planes hold all a marker gives, or some of it
+    long whole[2], part[2];  // of `InnerMarker::offset`, where the planes hold all a marker gives, or some of it
 
     Reach(const Grid& g, int first, int last) : first(first), last(last) {
         const auto offset = [&](int k) { return static_cast<long>(k - 1) * static_cast<long>(g.plane()); };
@@ -246,7 +244,7 @@ struct Reach {
         // In the order of planes: those out of reach come first and last.
         const auto begin = set.inner.begin() + all.begin, end = set.inner.begin() + all.end;
         const auto before = [](long limit) {
-            return [limit](const InnerMarker& m) { return (m.is_wrapped() ? ~m.first : m.first) < limit; };
+            return [limit](const InnerMarker& m) { return m.offset() < limit; };
         };
         const auto from = std::partition_point(begin, end, before(part[0])),
                    to = std::partition_point(from, end, before(part[1]));
@@ -263,25 +261,24 @@ inline void spread_run(const Grid& g, const VelocityArrays& q, const StencilSet&
         const InnerMarker* marker = set.inner.data() + begin;
         const int count = std::min(Weights::most, run.end - begin);
         Weights weights;
-        weights.find(marker, count);
+        weights.find(set, begin);
         for (int n = 0; n < count; ++n) {
             ahead.advance();
             const InnerMarker& m = marker[n];
             const double *f = source.value + 3 * m.marker, strength = source.factor * source.volume[m.marker];
             if (m.is_wrapped()) {
-                const WrappedPoints at(g, m);
+                const WrappedPoints at(g, set, begin + n);
                 spread_wrapped<0>(q.u, at, weights, n, strength * f[0], first, last);
                 spread_wrapped<1>(q.v, at, weights, n, strength * f[1], first, last);
                 spread_wrapped<2>(q.w, at, weights, n, strength * f[2], first, last);
-            } else if (m.first >= reach.whole[0] && m.first < reach.whole[1]) {
-                spread_inner<0, false>(row, plane, q.u, m, weights, n, strength * f[0], 0, 0, 0);
-                spread_inner<1, false>(row, plane, q.v, m, weights, n, strength * f[1], 0, 0, 0);
-                spread_inner<2, false>(row, plane, q.w, m, weights, n, strength * f[2], 0, 0, 0);
-            } else if (m.first >= reach.part[0] && m.first < reach.part[1]) {
-                const int k = m.first / static_cast<int>(plane);
-                spread_inner<0, true>(row, plane, q.u, m, weights, n, strength * f[0], k, first, last);
-                spread_inner<1, true>(row, plane, q.v, m, weights, n, strength * f[1], k, first, last);
-                spread_inner<2, true>(row, plane, q.w, m, weights, n, strength * f[2], k, first, last);
+            } else if (m.offset() >= reach.whole[0] && m.offset() < reach.whole[1]) {
+                spread_inner<0, false>(row, plane, q.u, m, weights, n, strength * f[0], 0, 0);
+                spread_inner<1, false>(row, plane, q.v, m, weights, n, strength * f[1], 0, 0);
+                spread_inner<2, false>(row, plane, q.w, m, weights, n, strength * f[2], 0, 0);
+            } else if (m.offset() >= reach.part[0] && m.offset() < reach.part[1]) {
+                spread_inner<0, true>(row, plane, q.u, m, weights, n, strength * f[0], first, last);
+                spread_inner<1, true>(row, plane, q.v, m, weights, n, strength * f[1], first, last);
+                spread_inner<2, true>(row, plane, q.w, m, weights, n, strength * f[2], first, last);
             }
         }
     }

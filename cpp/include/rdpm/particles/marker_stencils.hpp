@@ -1,6 +1,6 @@
 // Where the markers lie on the grid and the weights they have there, made once a step.
 //
-// Markers are ordered by body, and within one by the plane and the row they lie in: what a body's markers touch of
+// Markers are ordered by body, and within one by the plane they lie in: what a body's markers touch of
 // the fields stays in the core's cache while they are worked on, and the next body's is fetched meanwhile. A marker
 // away from the sides is kept as the place of its nearest centre and its distance from it, and its weights are found
 // again at each use: that is less than reading them; across a periodic side its points are wrapped. Beside the other
@@ -27,10 +27,12 @@ struct FoldedStencils {
 };
 
 struct InnerMarker {
-    double from_centre[3];  // [cells], -0.5 to 0.5
-    std::int32_t first;     // offset of the first of the 27 centres; its complement where points are wrapped
+    std::int32_t first[3];  // offset of each component's first of 27 points; where points are wrapped the complement
+                            // of that of the first centre
     std::int32_t marker;
-    bool is_wrapped() const { return first < 0; }
+    bool is_wrapped() const { return first[0] < 0; }
+    // In the plane before that of the nearest centre.
+    std::int32_t offset() const { return is_wrapped() ? ~first[0] : first[0]; }
 };
 
 // The inner markers of one body: where they begin in `StencilSet::inner`, and the box of their nearest centres,
@@ -39,67 +41,71 @@ struct BodyMarkers {
     std::int32_t begin, lower[3], upper[3];
 };
 
+// Of how many inner markers weights are found at a time.
+constexpr int most_weights = 16;
+
+// The plane of a marker beside a side.
+constexpr std::int32_t folded_marker = INT32_MIN;
+
 struct StencilSet {
-    std::vector<InnerMarker> inner;  // body after body, within a body by plane and row
+    std::vector<InnerMarker> inner;  // body after body, within a body by plane
+    std::vector<double> from_centre[3];              // of each of these, -0.5 to 0.5 [cells]
     std::vector<FoldedStencils> folded;
     std::vector<std::int32_t> first;                 // markers first[b] to first[b + 1] belong to body b
     std::vector<BodyMarkers> body;                   // and one more, of which only `begin` counts
     std::vector<std::int32_t> in_plane;              // inner markers whose nearest centre is in a plane
-    std::vector<std::int32_t> row;                   // of each marker, within its body's box; -1 if folded
-    std::vector<std::vector<std::int32_t>> scratch;  // of each thread: where a body's rows begin
+    std::vector<std::int32_t> plane;                 // of each marker's nearest centre, or that it is folded
+    std::vector<std::vector<std::int32_t>> scratch;  // of each thread: where a body's planes begin
 
     StencilSet(const Grid& g, const std::int32_t* of_body, int bodies)
         : first(of_body, of_body + bodies + 1),
           body(bodies + 1),
           in_plane(g.nz() + 2),
-          row(first.back()),
+          plane(first.back()),
           scratch(std::max(1, g.threads)) {
-        inner.reserve(row.size());
+        inner.reserve(plane.size());
+        for (auto& distance : from_centre) distance.resize(plane.size() + most_weights);
     }
     int bodies() const { return static_cast<int>(body.size()) - 1; }
-    int count() const { return static_cast<int>(row.size()); }
+    int count() const { return static_cast<int>(plane.size()); }
     int count_inner() const { return static_cast<int>(inner.size()); }
 };
 
 // Four neighbouring doubles at once; the fourth enters with weight zero.
 typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));
 
-// Weights of a few inner markers at a time: [direction][marker], at centres and, three further on, on faces.
+// Weights of a few inner markers at a time: at centres, and on faces.
 struct Weights {
-    static constexpr int most = 16;
-    double low[6 * most], middle[6 * most], high[6 * most];
+    static constexpr int most = most_weights;
+    Four x[2][most];
+    double y[2][3][most], z[2][3][most];  // low, middle, high
 
-    void find(const InnerMarker* marker, int count) {
-        double r[6 * most] = {};
-        for (int n = 0; n < count; ++n)
-            for (int d = 0; d < 3; ++d) {
-                const double x = marker[n].from_centre[d];
-                r[d * most + n] = x;
-                r[(3 + d) * most + n] = x - std::copysign(0.5, x);
-            }
+    void find(const StencilSet& set, int begin) {
+        double along_x[2][3][most];
+        find_along(set.from_centre[0].data() + begin, along_x);
+        find_along(set.from_centre[1].data() + begin, y);
+        find_along(set.from_centre[2].data() + begin, z);
+        for (int at = 0; at < 2; ++at)
+            for (int n = 0; n < most; ++n)
+                x[at][n] = Four{along_x[at][0][n], along_x[at][1][n], along_x[at][2][n], 0.0};
+    }
+
+   private:
+    static void find_along(const double* from_centre, double (*out)[3][most]) {
 #pragma omp simd
-        for (int n = 0; n < 6 * most; ++n) {
-            const double x = r[n], m = (1.0 + std::sqrt(1.0 - 3.0 * x * x)) * (1.0 / 3.0);
-            middle[n] = m;
-            low[n] = 0.5 * (1.0 - m - x);
-            high[n] = 0.5 * (1.0 - m + x);
+        for (int n = 0; n < most; ++n) {
+            const double r = from_centre[n];
+            weigh(r, out[0], n);
+            weigh(r - std::copysign(0.5, r), out[1], n);
         }
     }
+    static void weigh(double r, double (*out)[most], int n) {
+        const double m = (1.0 + std::sqrt(1.0 - 3.0 * r * r)) * (1.0 / 3.0);
+        out[0][n] = 0.5 * (1.0 - m - r);
+        out[1][n] = m;
+        out[2][n] = 0.5 * (1.0 - m + r);
+    }
 };
-
-// Along one direction, of the component whose faces lie across `component`.
-template <int component>
-constexpr int weights_along(int direction) {
-    return Weights::most * (direction == component ? 3 + direction : direction);
-}
-
-// The first of a marker's 27 points of a component: below the nearest centre the nearest face is one before.
-template <int component>
-inline std::ptrdiff_t first_point(const InnerMarker& m, std::size_t row, std::size_t plane) {
-    const std::size_t stride = component == 0 ? 1 : component == 1 ? row : plane;
-    return m.first - static_cast<std::ptrdiff_t>(
-                         stride & -static_cast<std::size_t>(std::signbit(m.from_centre[component])));
-}
 
 enum class Place { inside, wrapped, folded };
 
@@ -135,8 +141,9 @@ inline void measure_body(const Grid& g, const double* position, StencilSet& set,
     for (int m = set.first[b]; m < set.first[b + 1]; ++m) {
         int nearest[3] = {};
         double from_centre[3];
-        set.row[m] = locate(g, position + 3 * m, nearest, from_centre) == Place::folded ? -1 : 0;
-        if (set.row[m] < 0) continue;
+        const bool is_folded = locate(g, position + 3 * m, nearest, from_centre) == Place::folded;
+        set.plane[m] = is_folded ? folded_marker : nearest[2];
+        if (is_folded) continue;
         ++body.begin;
         for (int d = 0; d < 3; ++d) {
             body.lower[d] = std::min(body.lower[d], nearest[d]);
@@ -150,36 +157,36 @@ inline void order_body(const Grid& g, const double* position, StencilSet& set, i
                        std::vector<std::int32_t>& begin) {
     const BodyMarkers& body = set.body[b];
     if (body.begin == set.body[b + 1].begin) return;
-    const int rows = body.upper[1] - body.lower[1] + 1, planes = body.upper[2] - body.lower[2] + 1;
+    const int planes = body.upper[2] - body.lower[2] + 1;
     const auto row = static_cast<std::int32_t>(g.row()), plane = static_cast<std::int32_t>(g.plane());
     const auto wrapped = [&](int d, int i) { return ((i - 1) % g.cells[d] + g.cells[d]) % g.cells[d] + 1; };
-    // begin[r + 1] counts, then moves from the begin of row r to its end while the markers are put in.
-    begin.assign(static_cast<std::size_t>(rows) * planes + 2, 0);
-    for (int m = set.first[b]; m < set.first[b + 1]; ++m) {
-        if (set.row[m] < 0) continue;
-        int nearest[3] = {};
-        double from_centre[3];
-        locate(g, position + 3 * m, nearest, from_centre);
-        set.row[m] = (nearest[2] - body.lower[2]) * rows + nearest[1] - body.lower[1];
-        ++begin[set.row[m] + 2];
-    }
-    for (std::size_t r = 2; r < begin.size(); ++r) begin[r] += begin[r - 1];
+    // begin[k + 1] counts, then moves from the begin of plane k to its end while the markers are put in.
+    begin.assign(planes + 2, 0);
+    for (int m = set.first[b]; m < set.first[b + 1]; ++m)
+        if (set.plane[m] != folded_marker) ++begin[set.plane[m] - body.lower[2] + 2];
     for (int k = 0; k < planes; ++k) {
-        const std::int32_t count = begin[(k + 1) * rows + 1] - begin[k * rows + 1];
         std::int32_t& total = set.in_plane[wrapped(2, body.lower[2] + k)];
 #pragma omp atomic
-        total += count;
+        total += begin[k + 2];
+        begin[k + 2] += begin[k + 1];
     }
     for (int m = set.first[b]; m < set.first[b + 1]; ++m) {
-        if (set.row[m] < 0) continue;
-        InnerMarker& s = set.inner[body.begin + begin[set.row[m] + 1]++];
+        if (set.plane[m] == folded_marker) continue;
+        const std::int32_t at = body.begin + begin[set.plane[m] - body.lower[2] + 1]++;
         int nearest[3] = {};
-        const Place place = locate(g, position + 3 * m, nearest, s.from_centre);
+        double from_centre[3];
+        const Place place = locate(g, position + 3 * m, nearest, from_centre);
         if (place == Place::wrapped)
             for (int d = 0; d < 3; ++d) nearest[d] = wrapped(d, nearest[d]);
-        s.first = (nearest[2] - 1) * plane + (nearest[1] - 1) * row + nearest[0] - 1;
-        if (place == Place::wrapped) s.first = ~s.first;
+        const std::int32_t first = (nearest[2] - 1) * plane + (nearest[1] - 1) * row + nearest[0] - 1,
+                           stride[3] = {1, row, plane};
+        InnerMarker& s = set.inner[at];
         s.marker = m;
+        for (int d = 0; d < 3; ++d) {
+            set.from_centre[d][at] = from_centre[d];
+            // Below the nearest centre the nearest face is one before.
+            s.first[d] = place == Place::wrapped ? ~first : first - (std::signbit(from_centre[d]) ? stride[d] : 0);
+        }
     }
 }
 
@@ -196,7 +203,7 @@ inline void place(const Grid& g, const double* position, StencilSet& set) {
     set.folded.resize(set.count() - inner);
     if (!set.folded.empty())
         for (int m = 0, n = 0; m < set.count(); ++m)
-            if (set.row[m] < 0) {
+            if (set.plane[m] == folded_marker) {
                 set.folded[n].marker = m;
                 fold(g, position + 3 * m, set.folded[n++]);
             }
@@ -213,8 +220,8 @@ struct WrappedPoints {
     int plane[4];
     bool is_below[3];  // the nearest face is one before the nearest centre
 
-    WrappedPoints(const Grid& g, const InnerMarker& m) {
-        const int first = ~m.first, row = static_cast<int>(g.row()), plane_size = static_cast<int>(g.plane());
+    WrappedPoints(const Grid& g, const StencilSet& set, int inner) {
+        const int first = set.inner[inner].offset(), row = static_cast<int>(g.row()), plane_size = static_cast<int>(g.plane());
         const int k = first / plane_size, j = (first - k * plane_size) / row;
         const int nearest[3] = {first - k * plane_size - j * row + 1, j + 1, k + 1};
         const auto wrapped = [&](int d, int i) { return i < 1 ? i + g.cells[d] : i > g.cells[d] ? i - g.cells[d] : i; };
@@ -224,7 +231,7 @@ struct WrappedPoints {
             plane[a] = wrapped(2, nearest[2] - 2 + a);
             z[a] = plane[a] * static_cast<std::ptrdiff_t>(plane_size);
         }
-        for (int d = 0; d < 3; ++d) is_below[d] = std::signbit(m.from_centre[d]);
+        for (int d = 0; d < 3; ++d) is_below[d] = std::signbit(set.from_centre[d][inner]);
     }
     // The first of a component's three points along a direction.
     template <int component>

@@ -90,17 +90,15 @@ inline void rigid_change(int bodies, const std::int32_t* first, const double* ar
         Impulse impulse;
         double squares = 0.0;
         for (int m = first[b]; m < first[b + 1]; ++m) {
-            const double* r = arm + 3 * m;
-            const double rigid[3] = {v[0] + o[1] * r[2] - o[2] * r[1], v[1] + o[2] * r[0] - o[0] * r[2],
-                                     v[2] + o[0] * r[1] - o[1] * r[0]};
+            const double *r = arm + 3 * m, *u = fluid + 3 * m;
+            const double gained[3] = {v[0] + o[1] * r[2] - o[2] * r[1] - u[0], v[1] + o[2] * r[0] - o[0] * r[2] - u[1],
+                                      v[2] + o[0] * r[1] - o[1] * r[0] - u[2]};
+            impulse.add(r, volume[m], gained);
+            squares += gained[0] * gained[0] + gained[1] * gained[1] + gained[2] * gained[2];
             for (int c = 0; c < 3; ++c) {
-                const double gained = rigid[c] - fluid[3 * m + c];
-                change[3 * m + c] = gained;
-                force[3 * m + c] += inverse_dt * gained;
+                change[3 * m + c] = gained[c];
+                force[3 * m + c] += inverse_dt * gained[c];
             }
-            const double* c = change + 3 * m;
-            squares += c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
-            impulse.add(r, volume[m], change + 3 * m);
         }
         std::copy_n(impulse.sum, 6, out + 7 * b);
         out[7 * b + 6] = squares;
