@@ -116,7 +116,8 @@ inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet
                 while (set.body[after].begin < others && set.body[after + 1].begin == set.body[after].begin) ++after;
                 if (set.body[after].begin < others) {
                     aim(set, after, set.body[b + 1].begin - begin, ahead);
-                    ahead.add(out + 3 * set.first[after], 3 * (set.first[after + 1] - set.first[after]));
+                    const int id = set.body[after].id;
+                    ahead.add(out + 3 * set.first[id], 3 * (set.first[id + 1] - set.first[id]));
                 }
             }
             const InnerMarker* marker = set.inner.data() + begin;
@@ -315,10 +316,10 @@ inline void spread(const Grid& g, const VelocityArrays& q, const StencilSet& set
         for (Run run = next_run(); run.count() > 0;) {
             const Run next = next_run();
             if (next.count() > 0) {
-                const int b = after - 1, markers = set.first[b + 1] - set.first[b];
-                aim(set, b, run.count(), ahead);
-                ahead.add(value + 3 * set.first[b], 3 * markers);
-                ahead.add(volume + set.first[b], markers);
+                const int id = set.body[after - 1].id, markers = set.first[id + 1] - set.first[id];
+                aim(set, after - 1, run.count(), ahead);
+                ahead.add(value + 3 * set.first[id], 3 * markers);
+                ahead.add(volume + set.first[id], markers);
             }
             spread_run(g, q, set, source, run, first, last, ahead);
             run = next;

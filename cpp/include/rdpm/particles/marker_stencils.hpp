@@ -38,7 +38,7 @@ struct InnerMarker {
 // The inner markers of one body: where they begin in `StencilSet::inner`, and the box of their nearest centres,
 // unwrapped, in cells.
 struct BodyMarkers {
-    std::int32_t begin, lower[3], upper[3];
+    std::int32_t id, begin, lower[3], upper[3];
 };
 
 // Of how many inner markers weights are found at a time.
@@ -48,11 +48,11 @@ constexpr int most_weights = 16;
 constexpr std::int32_t folded_marker = INT32_MIN;
 
 struct StencilSet {
-    std::vector<InnerMarker> inner;  // body after body, within a body by plane
+    std::vector<InnerMarker> inner;  // body after body from bottom to top, within a body by plane
     std::vector<double> from_centre[3];              // of each of these, -0.5 to 0.5 [cells]
     std::vector<FoldedStencils> folded;
     std::vector<std::int32_t> first;                 // markers first[b] to first[b + 1] belong to body b
-    std::vector<BodyMarkers> body;                   // and one more, of which only `begin` counts
+    std::vector<BodyMarkers> body;                   // in that order, and one more, of which only `begin` counts
     std::vector<std::int32_t> in_plane;              // inner markers whose nearest centre is in a plane
     std::vector<std::int32_t> plane;                 // of each marker's nearest centre, or that it is folded
     std::vector<std::vector<std::int32_t>> scratch;  // of each thread: where a body's planes begin
@@ -63,6 +63,7 @@ struct StencilSet {
           in_plane(g.nz() + 2),
           plane(first.back()),
           scratch(std::max(1, g.threads)) {
+        for (int b = 0; b <= bodies; ++b) body[b].id = b;
         inner.reserve(plane.size());
         for (auto& distance : from_centre) distance.resize(plane.size() + most_weights);
     }
@@ -136,9 +137,9 @@ inline void fold(const Grid& g, const double* x, FoldedStencils& out) {
 // Finds the box of one body's inner markers and how many there are.
 inline void measure_body(const Grid& g, const double* position, StencilSet& set, int b) {
     BodyMarkers& body = set.body[b];
-    body.begin = 0;
+    body.begin = 0;  // counts
     for (int d = 0; d < 3; ++d) body.lower[d] = INT32_MAX, body.upper[d] = INT32_MIN;
-    for (int m = set.first[b]; m < set.first[b + 1]; ++m) {
+    for (int m = set.first[body.id]; m < set.first[body.id + 1]; ++m) {
         int nearest[3] = {};
         double from_centre[3];
         const bool is_folded = locate(g, position + 3 * m, nearest, from_centre) == Place::folded;
@@ -162,7 +163,7 @@ inline void order_body(const Grid& g, const double* position, StencilSet& set, i
     const auto wrapped = [&](int d, int i) { return ((i - 1) % g.cells[d] + g.cells[d]) % g.cells[d] + 1; };
     // begin[k + 1] counts, then moves from the begin of plane k to its end while the markers are put in.
     begin.assign(planes + 2, 0);
-    for (int m = set.first[b]; m < set.first[b + 1]; ++m)
+    for (int m = set.first[body.id]; m < set.first[body.id + 1]; ++m)
         if (set.plane[m] != folded_marker) ++begin[set.plane[m] - body.lower[2] + 2];
     for (int k = 0; k < planes; ++k) {
         std::int32_t& total = set.in_plane[wrapped(2, body.lower[2] + k)];
@@ -170,7 +171,7 @@ inline void order_body(const Grid& g, const double* position, StencilSet& set, i
         total += begin[k + 2];
         begin[k + 2] += begin[k + 1];
     }
-    for (int m = set.first[b]; m < set.first[b + 1]; ++m) {
+    for (int m = set.first[body.id]; m < set.first[body.id + 1]; ++m) {
         if (set.plane[m] == folded_marker) continue;
         const std::int32_t at = body.begin + begin[set.plane[m] - body.lower[2] + 1]++;
         int nearest[3] = {};
@@ -196,6 +197,10 @@ inline void place(const Grid& g, const double* position, StencilSet& set) {
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
     for (int b = 0; b < bodies; ++b) measure_body(g, position, set, b);
 
+    // A thread then works on bodies that lie together.
+    std::sort(set.body.begin(), set.body.end() - 1, [](const BodyMarkers& a, const BodyMarkers& b) {
+        return std::pair(a.lower[2], a.id) < std::pair(b.lower[2], b.id);
+    });
     set.body[bodies].begin = 0;
     std::int32_t inner = 0;
     for (BodyMarkers& body : set.body) inner += std::exchange(body.begin, inner);
