@@ -101,19 +101,18 @@ void bind_particles(nb::module_& module) {
         keep_forces(bodies, f, o, share, threads, given, f_body);
     });
     module.def("rigid_change", [](const Indices& first, const Values& arm, const Values& volume, const Values& velocity,
-                                  const Values& spin, const Values& fluid, double inverse_dt, int threads,
-                                  const Values& change, const Values& force, const Values& out) {
+                                  const Values& spin, double inverse_dt, int threads, const Values& change,
+                                  const Values& force, const Values& out) {
         const int bodies = static_cast<int>(first.shape(0)) - 1;
         const std::int32_t* f = checked(first, "first", {bodies + 1});
         const int n = f[bodies];
         const double *r = checked(arm, "arm", {n, 3}), *dv = checked(volume, "volume", {n}),
                      *v = checked(velocity, "velocity", {bodies, 3}),
-                     *o = checked(spin, "angular velocity", {bodies, 3}),
-                     *u = checked(fluid, "fluid velocity", {n, 3});
+                     *o = checked(spin, "angular velocity", {bodies, 3});
         double *c = checked(change, "change", {n, 3}), *total = checked(force, "force", {n, 3}),
                *sums = checked(out, "sums", {bodies, 7});
         nb::gil_scoped_release released;
-        rigid_change(bodies, f, r, dv, v, o, u, inverse_dt, threads, c, total, sums);
+        rigid_change(bodies, f, r, dv, v, o, inverse_dt, threads, c, total, sums);
     });
     module.def("marker_moments", [](const Indices& first, const Values& arm, const Values& volume,
                                     int threads, const Values& out) {

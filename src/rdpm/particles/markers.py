@@ -69,7 +69,7 @@ class MarkerSet:
         size = (len(self), 3)
         self.arm, self.position, self.force = np.zeros(size), np.zeros(size), np.zeros(size)
         self._body_force = np.zeros(size)
-        self.fluid_velocity, self._change = np.zeros(size), np.zeros(size)
+        self._velocity = np.zeros(size)
         self._layer_arm_square = depth**2
         self._stencils = _core.Markers(grid.core, self.first)
 
@@ -104,8 +104,8 @@ class MarkerSet:
 
     def interpolate(self, velocity: tuple[Floats, Floats, Floats]) -> Floats:
         """Velocity of the fluid at the markers, (M, 3) [m/s]; the array is used again by the next call."""
-        self._stencils.interpolate(self.grid.core, *velocity, self.fluid_velocity)
-        return self.fluid_velocity
+        self._stencils.interpolate(self.grid.core, *velocity, self._velocity)
+        return self._velocity
 
     def spread(self, target: tuple[Floats, Floats, Floats], values: Floats, factor: float) -> None:
         """Add factor * values, (M, 3), to a staggered field: the adjoint of `interpolate`."""
@@ -118,7 +118,7 @@ class MarkerSet:
         return out
 
     def force_rigid(self, bodies: Bodies, dt: float) -> tuple[Floats, Floats]:
-        """Change `force` so that the fluid at the markers moves rigidly.
+        """Change `force` so that the fluid at the markers, as last interpolated, moves rigidly.
 
         Parameters
         ----------
@@ -128,16 +128,16 @@ class MarkerSet:
         Returns
         -------
         change : ndarray, (M, 3), [m/s]
-            Of the fluid's velocity at the markers; the array is used again by the next call.
+            Of the fluid's velocity at the markers; the array that `interpolate` gave.
         sums : ndarray, (N, 7)
             `sums` of the change, and the sum of its square [m^2/s^2].
         """
         out = np.empty((self.first.size - 1, 7))
         _core.rigid_change(
-            self.first, self.arm, self.volume, bodies.velocity, bodies.angular_velocity, self.fluid_velocity, 1.0 / dt,
-            self.grid.threads, self._change, self.force, out,
+            self.first, self.arm, self.volume, bodies.velocity, bodies.angular_velocity, 1.0 / dt, self.grid.threads,
+            self._velocity, self.force, out,
         )  # fmt: skip
-        return self._change, out
+        return self._velocity, out
 
     def layer_inertia(self) -> tuple[Floats, Floats]:
         """Of each body's marker layer: volume (N,) [m^3] and its moment 2/3 sum volume r^2 (N,) [m^5]."""

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 #include "rdpm/fluid/momentum.hpp"
 #include "rdpm/grid/grid.hpp"
@@ -135,14 +138,21 @@ inline void aim(const Grid& g, const double* centre, double radius, Prefetch& ah
 inline void inner_motion(const Grid& g, const VelocityArrays& q, int bodies, const double* position,
                          const double* radius, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
+    // From bottom to top, as the markers go: a thread finds what it left in its cache.
+    std::vector<int> order(bodies);
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](int a, int b) {
+        return std::pair(position[3 * a + 2] - radius[a], a) < std::pair(position[3 * b + 2] - radius[b], b);
+    });
 #pragma omp parallel num_threads(g.threads) if (bodies > 1)
     {
         Prefetch ahead(g, q, 0, g.nz() + 2);
         const int me = omp_get_thread_num(), team = omp_get_num_threads(),
                   begin = static_cast<int>(static_cast<long>(bodies) * me / team),
                   end = static_cast<int>(static_cast<long>(bodies) * (me + 1) / team);
-        for (int b = begin; b < end; ++b) {
-            if (b + 1 < end) aim(g, position + 3 * (b + 1), radius[b + 1], ahead);
+        for (int n = begin; n < end; ++n) {
+            const int b = order[n];
+            if (n + 1 < end) aim(g, position + 3 * order[n + 1], radius[order[n + 1]], ahead);
             double mean[3] = {}, weight[3] = {}, moment[3] = {}, arm_square[3] = {};
             for (int c = 0; c < 3; ++c)
                 add_component(g, field[c], c, position + 3 * b, radius[b], ahead, mean, weight, moment, arm_square);

@@ -112,10 +112,10 @@ enum class Place { inside, wrapped, folded };
 
 // The nearest centre and the marker's distance from it in cells. The nearest face is one before where that is
 // negative; one point further on along x is read, with weight zero.
-inline Place locate(const Grid& g, const double* x, int* nearest, double* from_centre) {
+inline Place locate(const Grid& g, const double* cells_a_metre, const double* x, int* nearest, double* from_centre) {
     Place place = Place::inside;
     for (int d = 0; d < 3; ++d) {
-        const double at = x[d] / g.spacing[d];
+        const double at = x[d] * cells_a_metre[d];
         nearest[d] = static_cast<int>(std::floor(at + 1.0));
         from_centre[d] = at + 0.5 - nearest[d];
         if (g.boundary[d] != periodic) {
@@ -137,12 +137,13 @@ inline void fold(const Grid& g, const double* x, FoldedStencils& out) {
 // Finds the box of one body's inner markers and how many there are.
 inline void measure_body(const Grid& g, const double* position, StencilSet& set, int b) {
     BodyMarkers& body = set.body[b];
+    const double cells_a_metre[3] = {1.0 / g.spacing[0], 1.0 / g.spacing[1], 1.0 / g.spacing[2]};
     body.begin = 0;  // counts
     for (int d = 0; d < 3; ++d) body.lower[d] = INT32_MAX, body.upper[d] = INT32_MIN;
     for (int m = set.first[body.id]; m < set.first[body.id + 1]; ++m) {
         int nearest[3] = {};
         double from_centre[3];
-        const bool is_folded = locate(g, position + 3 * m, nearest, from_centre) == Place::folded;
+        const bool is_folded = locate(g, cells_a_metre, position + 3 * m, nearest, from_centre) == Place::folded;
         set.plane[m] = is_folded ? folded_marker : nearest[2];
         if (is_folded) continue;
         ++body.begin;
@@ -158,6 +159,7 @@ inline void order_body(const Grid& g, const double* position, StencilSet& set, i
                        std::vector<std::int32_t>& begin) {
     const BodyMarkers& body = set.body[b];
     if (body.begin == set.body[b + 1].begin) return;
+    const double cells_a_metre[3] = {1.0 / g.spacing[0], 1.0 / g.spacing[1], 1.0 / g.spacing[2]};
     const int planes = body.upper[2] - body.lower[2] + 1;
     const auto row = static_cast<std::int32_t>(g.row()), plane = static_cast<std::int32_t>(g.plane());
     const auto wrapped = [&](int d, int i) { return ((i - 1) % g.cells[d] + g.cells[d]) % g.cells[d] + 1; };
@@ -176,7 +178,7 @@ inline void order_body(const Grid& g, const double* position, StencilSet& set, i
         const std::int32_t at = body.begin + begin[set.plane[m] - body.lower[2] + 1]++;
         int nearest[3] = {};
         double from_centre[3];
-        const Place place = locate(g, position + 3 * m, nearest, from_centre);
+        const Place place = locate(g, cells_a_metre, position + 3 * m, nearest, from_centre);
         if (place == Place::wrapped)
             for (int d = 0; d < 3; ++d) nearest[d] = wrapped(d, nearest[d]);
         const std::int32_t first = (nearest[2] - 1) * plane + (nearest[1] - 1) * row + nearest[0] - 1,

@@ -79,18 +79,18 @@ inline void sum_over_markers(int bodies, const std::int32_t* first, const double
     }
 }
 
-// change = rigid velocity of the body - velocity of the fluid there; force += change / dt. Of each body, (bodies, 7):
-// the impulse of the change, and the sum of its square.
+// The velocity of the fluid at the markers becomes its change to the body's rigid motion; force += change / dt. Of
+// each body, (bodies, 7): the impulse of the change, and the sum of its square.
 inline void rigid_change(int bodies, const std::int32_t* first, const double* arm, const double* volume,
-                         const double* velocity, const double* spin, const double* fluid, double inverse_dt,
-                         int threads, double* change, double* force, double* out) {
+                         const double* velocity, const double* spin, double inverse_dt, int threads, double* change,
+                         double* force, double* out) {
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
     for (int b = 0; b < bodies; ++b) {
         const double *v = velocity + 3 * b, *o = spin + 3 * b;
         Impulse impulse;
         double squares = 0.0;
         for (int m = first[b]; m < first[b + 1]; ++m) {
-            const double *r = arm + 3 * m, *u = fluid + 3 * m;
+            const double *r = arm + 3 * m, *u = change + 3 * m;
             const double gained[3] = {v[0] + o[1] * r[2] - o[2] * r[1] - u[0], v[1] + o[2] * r[0] - o[0] * r[2] - u[1],
                                       v[2] + o[0] * r[1] - o[1] * r[0] - u[2]};
             impulse.add(r, volume[m], gained);
