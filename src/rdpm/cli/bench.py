@@ -41,7 +41,9 @@ def bench(*names: str, json: Annotated[bool, Parameter(negative="")] = False) ->
     print(f"{'case':20} {'cells':>15} {'threads':>7} {'ns/cell':>8} {'B/cell':>7} {'memory':>7}  parts [ns/cell]")
     for case in found["cases"]:
         parts = ", ".join(f"{name} {ns:.1f}" for name, ns in case["parts"].items() if ns >= 0.05)
-        marker = f"; {case['us_per_marker_pass']:.3f} us a marker and pass" if "us_per_marker_pass" in case else ""
+        marker = ""
+        if "us_per_marker_pass" in case:
+            marker = f"; us a marker: {case['us_per_marker_pass']:.3f} a pass, {case['us_per_marker_step']:.3f} a step"
         print(
             f"{case['name']:20} {'x'.join(map(str, case['cells'])):>15} {case['threads']:>7} "
             f"{case['ns_per_cell_step']:>8.1f} {case['bytes_per_cell_step']:>7.0f} "

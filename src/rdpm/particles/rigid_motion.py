@@ -19,6 +19,7 @@ step, so that momentum is conserved over time.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -74,6 +75,8 @@ class RigidMotion:
         Of the last step on each body, without the hydrostatic part.
     slip : float, [m/s]
         Root mean square velocity change that the last forcing pass still made.
+    pass_seconds : float, [s]
+        Wall time spent in forcing passes so far.
     """
 
     def __init__(self, bodies: Bodies, fluid: Fluid, markers: MarkerSet, gravity: Floats, passes: int) -> None:
@@ -88,7 +91,7 @@ class RigidMotion:
         self.missed = np.zeros((n, 6))  # inner momentum that beta did not foresee in the last step
         self.hydrodynamic_force, self.hydrodynamic_torque = np.zeros((n, 3)), np.zeros((n, 3))
         self.given_force = np.zeros((n, 3))  # on the fluid, over the last step
-        self.slip = 0.0
+        self.slip = self.pass_seconds = 0.0
         cells = bodies.diameter / markers.h
         inner, spin, spread = (a + b / cells for a, b in (INNER_SHARE, INNER_SHARE_SPIN, SPREAD_SHARE))
         self._share = np.repeat(np.stack([inner, spin], axis=1), 3, axis=1)
@@ -167,6 +170,7 @@ class RigidMotion:
         known = self._inertia * old + (predicted - self.inner + self.missed) - given + impulse
         known[:, :3] += dt * self.weight
         total = np.zeros_like(given)
+        began = perf_counter()
         for _ in range(self.passes):
             at_markers = density * markers.sums(markers.interpolate(self.fluid.velocity))
             solved = np.einsum("nij,nj->ni", answer, known + outer * (at_markers - total))
@@ -175,6 +179,7 @@ class RigidMotion:
             change, sums = markers.force_rigid(bodies, dt)
             total += density * sums[:, :6]
             markers.spread(self.fluid.velocity, change, 1.0)
+        self.pass_seconds += perf_counter() - began
         self.slip = float(np.sqrt(sums[:, 6].sum() / len(markers))) if len(markers) else 0.0
         self._foreseen = predicted + self._share * total
         fluid_on_body = (self._foreseen - self.inner + self.missed - given - total) / dt

@@ -80,9 +80,9 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
     -------
     dict
         ``name, cells, threads, diffusion, bodies, steps, ns_per_cell_step, bytes_per_cell_step, memory_bytes_per_cell,
-        parts`` (share of the time by part [ns a cell and step]) and, with bodies, ``us_per_marker_step`` and
-        ``us_per_marker_pass``, all that bodies cost shared out over the markers and forcing passes.
-        The median step counts.
+        parts`` (share of the time by part [ns a cell and step]) and, with bodies, ``us_per_marker_pass``, a forcing
+        pass from the velocity of the fluid at a marker to its force on the fluid, and ``us_per_marker_step``, all
+        that bodies cost in a step. The median step counts.
     """
     make, asked = CASES[name]
     threads = asked or available_threads()
@@ -92,6 +92,8 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
     watch = simulation.system.watch
     for part in watch.seconds:
         watch.seconds[part] = 0.0
+    motion = simulation.system.motion
+    passes = motion.pass_seconds if motion else 0.0
     seconds: list[float] = []
     while len(seconds) < LEAST_STEPS or sum(seconds) < SECONDS:
         begin = time.perf_counter()
@@ -116,9 +118,10 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
         "memory_bytes_per_cell": fluid.bytes / cells,
         "parts": {part: 1e9 * total / steps / cells for part, total in watch.seconds.items()},
     }
-    if markers is not None and len(markers):
+    if markers is not None and motion is not None and len(markers):
+        passes = motion.pass_seconds - passes
+        result["us_per_marker_pass"] = 1e6 * passes / steps / FORCING_PASSES / len(markers)
         result["us_per_marker_step"] = 1e6 * watch.seconds["bodies"] / steps / len(markers)
-        result["us_per_marker_pass"] = result["us_per_marker_step"] / FORCING_PASSES
     return result
 
 

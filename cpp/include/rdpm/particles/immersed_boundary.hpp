@@ -10,7 +10,6 @@
 
 #include "rdpm/fluid/momentum.hpp"
 #include "rdpm/particles/marker_stencils.hpp"
-#include "rdpm/particles/prefetch.hpp"
 
 namespace rdpm {
 
@@ -82,10 +81,16 @@ inline void add_up(const Four& u, const Four& v, const Four& w, double* out) {
     out[2] = (w[0] + w[1]) + w[2];
 }
 
-// Has what body b's markers will touch fetched while so many others are worked on.
-inline void aim(const StencilSet& set, int b, int markers, Prefetch& ahead) {
-    constexpr float margin = 2.7f;  // the farthest corner of a stencil [cells]
-    ahead.aim(set.body[b].lower, set.body[b].upper, margin, markers);
+// Has what body b's markers will touch, of the planes [first, last), fetched while so many others are worked on.
+inline void aim(const Grid& g, const StencilSet& set, int b, int first, int last, int markers, Prefetch& ahead) {
+    const BodyMarkers& body = set.body[b];
+    auto begin = set.line.data() + body.first_line, end = set.line.data() + body.last_line;
+    if (body.box.lower[2] > stencil_margin && body.box.upper[2] <= g.nz() - stencil_margin) {
+        const auto plane = [&](int k) { return static_cast<std::int32_t>(k * g.plane()); };
+        begin = std::lower_bound(begin, end, plane(first));
+        end = std::lower_bound(begin, end, plane(last));
+    }
+    ahead.aim(begin, end, markers);
 }
 
 // The body to which an inner marker belongs.
@@ -106,7 +111,7 @@ inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet
         const int team = omp_get_num_threads(), me = omp_get_thread_num();
         const int mine = static_cast<int>(static_cast<long>(inner) * me / team),
                   others = static_cast<int>(static_cast<long>(inner) * (me + 1) / team);
-        Prefetch ahead(g, q, 0, g.nz() + 2);
+        Prefetch ahead(q);
         int b = body_of(set, mine) - 1;
         for (int begin = mine; begin < others;) {
             if (begin == mine || begin == set.body[b + 1].begin) {
@@ -115,7 +120,7 @@ inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet
                 int after = b + 1;
                 while (set.body[after].begin < others && set.body[after + 1].begin == set.body[after].begin) ++after;
                 if (set.body[after].begin < others) {
-                    aim(set, after, set.body[b + 1].begin - begin, ahead);
+                    aim(g, set, after, 0, g.nz() + 2, set.body[b + 1].begin - begin, ahead);
                     const int id = set.body[after].id;
                     ahead.add(out + 3 * set.first[id], 3 * (set.first[id + 1] - set.first[id]));
                 }
@@ -234,7 +239,7 @@ struct Reach {
         const BodyMarkers& body = set.body[b];
         const Run all{body.begin, set.body[b + 1].begin}, none{all.begin, all.begin};
         if (all.count() == 0) return none;
-        const int lowest = body.lower[2] - 2, highest = body.upper[2] + 1, n = g.nz();
+        const int lowest = body.box.lower[2] - 2, highest = body.box.upper[2] + 1, n = g.nz();
         if (lowest < 1 || highest > n) {
             for (const int shift : {-n, 0, n})
                 if (lowest + shift < last && highest + shift >= first) return all;
@@ -312,12 +317,12 @@ inline void spread(const Grid& g, const VelocityArrays& q, const StencilSet& set
             while (after < bodies && (run = reach.run_of(g, set, after++)).count() == 0) {}
             return run;
         };
-        Prefetch ahead(g, q, first, last);
+        Prefetch ahead(q);
         for (Run run = next_run(); run.count() > 0;) {
             const Run next = next_run();
             if (next.count() > 0) {
                 const int id = set.body[after - 1].id, markers = set.first[id + 1] - set.first[id];
-                aim(set, after - 1, run.count(), ahead);
+                aim(g, set, after - 1, first, last, run.count(), ahead);
                 ahead.add(value + 3 * set.first[id], 3 * markers);
                 ahead.add(volume + set.first[id], markers);
             }

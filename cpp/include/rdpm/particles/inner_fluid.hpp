@@ -122,17 +122,6 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
     }
 }
 
-// Has what lies in the next sphere fetched, row by row with those of the present one.
-inline void aim(const Grid& g, const double* centre, double radius, Prefetch& ahead) {
-    std::int32_t lower[3], upper[3];
-    for (int d = 0; d < 3; ++d) {
-        lower[d] = static_cast<std::int32_t>((centre[d] - radius) / g.spacing[d]);
-        upper[d] = static_cast<std::int32_t>((centre[d] + radius) / g.spacing[d]) + 1;
-    }
-    constexpr float margin = 1.0f;
-    ahead.aim(lower, upper, margin, 3 * (upper[1] - lower[1]) * (upper[2] - lower[2]));
-}
-
 // Mean velocity (3) and spin (3) of the fluid within `radius` of each centre, (bodies, 6); sums normalised by
 // their weights.
 inline void inner_motion(const Grid& g, const VelocityArrays& q, int bodies, const double* position,
@@ -146,13 +135,24 @@ inline void inner_motion(const Grid& g, const VelocityArrays& q, int bodies, con
     });
 #pragma omp parallel num_threads(g.threads) if (bodies > 1)
     {
-        Prefetch ahead(g, q, 0, g.nz() + 2);
+        Prefetch ahead(q);
+        std::vector<std::int32_t> line;
+        const auto aim_at = [&](int b) {
+            CellBox box;
+            for (int d = 0; d < 3; ++d) {
+                box.lower[d] = static_cast<std::int32_t>((position[3 * b + d] - radius[b]) / g.spacing[d]);
+                box.upper[d] = static_cast<std::int32_t>((position[3 * b + d] + radius[b]) / g.spacing[d]) + 1;
+            }
+            line.resize(std::max(line.size(), box.most_lines(1)));
+            const int rows = 3 * (box.upper[1] - box.lower[1]) * (box.upper[2] - box.lower[2]);
+            ahead.aim(line.data(), line.data() + find_lines(g, box, 1, line.data()), rows);
+        };
         const int me = omp_get_thread_num(), team = omp_get_num_threads(),
                   begin = static_cast<int>(static_cast<long>(bodies) * me / team),
                   end = static_cast<int>(static_cast<long>(bodies) * (me + 1) / team);
         for (int n = begin; n < end; ++n) {
             const int b = order[n];
-            if (n + 1 < end) aim(g, position + 3 * order[n + 1], radius[order[n + 1]], ahead);
+            if (n + 1 < end) aim_at(order[n + 1]);
             double mean[3] = {}, weight[3] = {}, moment[3] = {}, arm_square[3] = {};
             for (int c = 0; c < 3; ++c)
                 add_component(g, field[c], c, position + 3 * b, radius[b], ahead, mean, weight, moment, arm_square);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "rdpm/particles/delta.hpp"
+#include "rdpm/particles/prefetch.hpp"
 
 namespace rdpm {
 
@@ -35,11 +36,16 @@ struct InnerMarker {
     std::int32_t offset() const { return is_wrapped() ? ~first[0] : first[0]; }
 };
 
-// The inner markers of one body: where they begin in `StencilSet::inner`, and the box of their nearest centres,
-// unwrapped, in cells.
+// The inner markers of one body: where they begin in `StencilSet::inner`, the box of their nearest centres, and the
+// lines of the fields that they touch, in `StencilSet::line`.
 struct BodyMarkers {
-    std::int32_t id, begin, lower[3], upper[3];
+    std::int32_t id, begin;
+    CellBox box;
+    std::int64_t first_line, last_line;
 };
+
+// From a nearest centre to the farthest point of its stencil [cells].
+constexpr int stencil_margin = 3;
 
 // Of how many inner markers weights are found at a time.
 constexpr int most_weights = 16;
@@ -53,6 +59,7 @@ struct StencilSet {
     std::vector<FoldedStencils> folded;
     std::vector<std::int32_t> first;                 // markers first[b] to first[b + 1] belong to body b
     std::vector<BodyMarkers> body;                   // in that order, and one more, of which only `begin` counts
+    std::vector<std::int32_t> line;                  // by body, by plane
     std::vector<std::int32_t> in_plane;              // inner markers whose nearest centre is in a plane
     std::vector<std::int32_t> plane;                 // of each marker's nearest centre, or that it is folded
     std::vector<std::vector<std::int32_t>> scratch;  // of each thread: where a body's planes begin
@@ -139,7 +146,7 @@ inline void measure_body(const Grid& g, const double* position, StencilSet& set,
     BodyMarkers& body = set.body[b];
     const double cells_a_metre[3] = {1.0 / g.spacing[0], 1.0 / g.spacing[1], 1.0 / g.spacing[2]};
     body.begin = 0;  // counts
-    for (int d = 0; d < 3; ++d) body.lower[d] = INT32_MAX, body.upper[d] = INT32_MIN;
+    for (int d = 0; d < 3; ++d) body.box.lower[d] = INT32_MAX, body.box.upper[d] = INT32_MIN;
     for (int m = set.first[body.id]; m < set.first[body.id + 1]; ++m) {
         int nearest[3] = {};
         double from_centre[3];
@@ -148,34 +155,35 @@ inline void measure_body(const Grid& g, const double* position, StencilSet& set,
         if (is_folded) continue;
         ++body.begin;
         for (int d = 0; d < 3; ++d) {
-            body.lower[d] = std::min(body.lower[d], nearest[d]);
-            body.upper[d] = std::max(body.upper[d], nearest[d]);
+            body.box.lower[d] = std::min(body.box.lower[d], nearest[d]);
+            body.box.upper[d] = std::max(body.box.upper[d], nearest[d]);
         }
     }
 }
 
-// Puts one body's inner markers into their order.
+// Puts one body's inner markers into their order, and finds what they touch.
 inline void order_body(const Grid& g, const double* position, StencilSet& set, int b,
                        std::vector<std::int32_t>& begin) {
-    const BodyMarkers& body = set.body[b];
+    BodyMarkers& body = set.body[b];
     if (body.begin == set.body[b + 1].begin) return;
+    body.last_line += find_lines(g, body.box, stencil_margin, set.line.data() + body.first_line);
     const double cells_a_metre[3] = {1.0 / g.spacing[0], 1.0 / g.spacing[1], 1.0 / g.spacing[2]};
-    const int planes = body.upper[2] - body.lower[2] + 1;
+    const int planes = body.box.upper[2] - body.box.lower[2] + 1;
     const auto row = static_cast<std::int32_t>(g.row()), plane = static_cast<std::int32_t>(g.plane());
     const auto wrapped = [&](int d, int i) { return ((i - 1) % g.cells[d] + g.cells[d]) % g.cells[d] + 1; };
     // begin[k + 1] counts, then moves from the begin of plane k to its end while the markers are put in.
     begin.assign(planes + 2, 0);
     for (int m = set.first[body.id]; m < set.first[body.id + 1]; ++m)
-        if (set.plane[m] != folded_marker) ++begin[set.plane[m] - body.lower[2] + 2];
+        if (set.plane[m] != folded_marker) ++begin[set.plane[m] - body.box.lower[2] + 2];
     for (int k = 0; k < planes; ++k) {
-        std::int32_t& total = set.in_plane[wrapped(2, body.lower[2] + k)];
+        std::int32_t& total = set.in_plane[wrapped(2, body.box.lower[2] + k)];
 #pragma omp atomic
         total += begin[k + 2];
         begin[k + 2] += begin[k + 1];
     }
     for (int m = set.first[body.id]; m < set.first[body.id + 1]; ++m) {
         if (set.plane[m] == folded_marker) continue;
-        const std::int32_t at = body.begin + begin[set.plane[m] - body.lower[2] + 1]++;
+        const std::int32_t at = body.begin + begin[set.plane[m] - body.box.lower[2] + 1]++;
         int nearest[3] = {};
         double from_centre[3];
         const Place place = locate(g, cells_a_metre, position + 3 * m, nearest, from_centre);
@@ -201,11 +209,17 @@ inline void place(const Grid& g, const double* position, StencilSet& set) {
 
     // A thread then works on bodies that lie together.
     std::sort(set.body.begin(), set.body.end() - 1, [](const BodyMarkers& a, const BodyMarkers& b) {
-        return std::pair(a.lower[2], a.id) < std::pair(b.lower[2], b.id);
+        return std::pair(a.box.lower[2], a.id) < std::pair(b.box.lower[2], b.id);
     });
     set.body[bodies].begin = 0;
     std::int32_t inner = 0;
-    for (BodyMarkers& body : set.body) inner += std::exchange(body.begin, inner);
+    std::int64_t lines = 0;
+    for (BodyMarkers& body : set.body) {
+        body.first_line = body.last_line = lines;
+        if (body.begin > 0) lines += body.box.most_lines(stencil_margin);
+        inner += std::exchange(body.begin, inner);
+    }
+    if (static_cast<std::int64_t>(set.line.size()) < lines) set.line.resize(lines);
     set.inner.resize(inner);
     set.folded.resize(set.count() - inner);
     if (!set.folded.empty())

@@ -1,8 +1,9 @@
-// What the next body's markers will touch of the three velocity components, fetched while the present body is
-// worked on: the fields of many bodies do not fit in a core's cache, one body's part of them does.
+// What the next body will touch of the three velocity components, fetched while the present body is worked on: the
+// fields of many bodies do not fit in a core's cache, one body's part of them does.
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "rdpm/fluid/momentum.hpp"
@@ -10,67 +11,80 @@
 
 namespace rdpm {
 
+// A box of cells, unwrapped.
+struct CellBox {
+    std::int32_t lower[3], upper[3];
+    // The most lines that `find_lines` gives for it.
+    std::size_t most_lines(int margin) const {
+        const auto width = [&](int d) { return static_cast<std::size_t>(upper[d] - lower[d] + 1 + 2 * margin); };
+        return width(2) * width(1) * (width(0) / 8 + 3);
+    }
+};
+
+// Offsets in a field, no more than eight values apart along a row, in the ellipsoid that `margin` cells lie around
+// the box; returns their number.
+inline int find_lines(const Grid& g, const CellBox& box, int margin, std::int32_t* out) {
+    float middle[3], reach[3];
+    for (int d = 0; d < 3; ++d) {
+        middle[d] = 0.5f * (box.lower[d] + box.upper[d]);
+        reach[d] = 0.5f * (box.upper[d] - box.lower[d]) + margin;
+    }
+    const auto wrapped = [&](int d, int i) {
+        if (g.boundary[d] != periodic) return std::clamp(i, 0, g.cells[d] + 1);
+        return i < 1 ? i + g.cells[d] : i > g.cells[d] ? i - g.cells[d] : i;
+    };
+    int count = 0;
+    for (int k = box.lower[2] - margin; k <= box.upper[2] + margin; ++k) {
+        const float z = (k - middle[2]) / reach[2];
+        const auto plane = static_cast<std::int32_t>(wrapped(2, k) * g.plane());
+        for (int j = box.lower[1] - margin; j <= box.upper[1] + margin; ++j) {
+            const float y = (j - middle[1]) / reach[1], rest = 1.0f - y * y - z * z;
+            if (rest <= 0.0f) continue;
+            const float half = reach[0] * std::sqrt(rest);
+            const auto row = static_cast<std::int32_t>(plane + wrapped(1, j) * g.row());
+            const int begin = static_cast<int>(middle[0] - half), end = static_cast<int>(middle[0] + half) + 1;
+            for (int i = begin; i < end + 8; i += 8) out[count++] = row + wrapped(0, std::min(i, end));
+        }
+    }
+    return count;
+}
+
+// Fetches a little at each `advance`: in a burst the requests would wait for each other, and what follows for them.
+// Inlined always: a call that only fetches is removed as one without effect.
 class Prefetch {
    public:
-    Prefetch(const Grid& g, const VelocityArrays& q, int first_plane, int last_plane)
-        : g_(g), field_{q.u, q.v, q.w}, first_(first_plane), last_(last_plane) {}
+    explicit Prefetch(const VelocityArrays& q) : u_(q.u), v_(q.v), w_(q.w) {}
 
-    // The ellipsoid about the cells from `lower` to `upper`, unwrapped, and `margin` cells further; in so many calls.
-    void aim(const std::int32_t* lower, const std::int32_t* upper, float margin, int calls) {
-        for (int d = 0; d < 3; ++d) {
-            middle_[d] = 0.5f * (lower[d] + upper[d]);
-            reach_[d] = 0.5f * (upper[d] - lower[d]) + margin;
-        }
-        low_[0] = lower[1] - 2, high_[0] = upper[1] + 1;
-        low_[1] = lower[2] - 2, high_[1] = upper[2] + 1;
-        j_ = low_[0], k_ = low_[1];
-        rows_ = (high_[0] - low_[0] + 1) * (high_[1] - low_[1] + 1);
-        calls_ = std::max(1, calls);
-        owed_ = 0;
-        at_ = end_ = after_at_ = after_end_ = nullptr;
+    // Lines of the fields, in so many calls.
+    void aim(const std::int32_t* line, const std::int32_t* end, int calls) {
+        line_ = line;
+        line_end_ = end;
+        a_call_ = static_cast<int>(end - line) / std::max(1, calls) + 1;
+        at_ = at_end_ = later_ = later_end_ = nullptr;
     }
-    // An array of the body's markers as well.
+    // An array as well; two at most.
     void add(const double* values, std::size_t count) {
-        after_at_ = std::exchange(at_, values);
-        after_end_ = std::exchange(end_, values + count);
+        later_ = std::exchange(at_, values);
+        later_end_ = std::exchange(at_end_, values + count);
     }
     [[gnu::always_inline]] void advance() {
-        for (owed_ += rows_; owed_ >= calls_ && k_ <= high_[1]; owed_ -= calls_) {
-            fetch_row();
-            if (++j_ > high_[0]) j_ = low_[0], ++k_;
+        for (int n = 0; n < a_call_ && line_ < line_end_; ++n, ++line_) {
+            __builtin_prefetch(u_ + *line_, 0, 2);
+            __builtin_prefetch(v_ + *line_, 0, 2);
+            __builtin_prefetch(w_ + *line_, 0, 2);
         }
-        if (at_ < end_) {
+        if (at_ < at_end_) {
             __builtin_prefetch(at_, 0, 2);
             at_ += 8;
-            if (at_ >= end_) at_ = std::exchange(after_at_, nullptr), end_ = std::exchange(after_end_, nullptr);
+            if (at_ >= at_end_) at_ = std::exchange(later_, nullptr), at_end_ = std::exchange(later_end_, nullptr);
         }
     }
 
    private:
-    // The row's part within the ellipsoid about the markers.
-    [[gnu::always_inline]] void fetch_row() {
-        const float y = (j_ - middle_[1]) / reach_[1], z = (k_ - middle_[2]) / reach_[2],
-                    rest = 1.0f - y * y - z * z;
-        const int k = wrapped(2, k_);
-        if (rest <= 0.0f || k < first_ || k >= last_) return;
-        const float half = reach_[0] * std::sqrt(rest);
-        const std::size_t row = wrapped(1, j_) * g_.row() + k * g_.plane();
-        const int begin = static_cast<int>(middle_[0] - half), end = static_cast<int>(middle_[0] + half) + 1;
-        for (int i = begin; i < end + 8; i += 8) {
-            const std::size_t at = row + wrapped(0, std::min(i, end));
-            for (const double* field : field_) __builtin_prefetch(field + at, 0, 2);
-        }
-    }
-    int wrapped(int d, int i) const {
-        if (g_.boundary[d] != periodic) return std::clamp(i, 0, g_.cells[d] + 1);
-        return i < 1 ? i + g_.cells[d] : i > g_.cells[d] ? i - g_.cells[d] : i;
-    }
-
-    const Grid& g_;
-    const double* field_[3];
-    int first_, last_, low_[2] = {0, 0}, high_[2] = {-1, -1}, j_ = 0, k_ = 0, rows_ = 0, calls_ = 1, owed_ = 0;
-    float middle_[3], reach_[3];
-    const double *at_ = nullptr, *end_ = nullptr, *after_at_ = nullptr, *after_end_ = nullptr;
+    const double *u_, *v_, *w_;
+    const std::int32_t *line_ = nullptr, *line_end_ = nullptr;
+    int a_call_ = 1;
+    const double *at_ = nullptr, *at_end_ = nullptr, *later_ = nullptr, *later_end_ = nullptr;
 };
 
 }  // namespace rdpm
