@@ -55,6 +55,15 @@ struct Markers {
         nb::gil_scoped_release released;
         spread(g, q, set, values, volumes, factor);
     }
+    void inner_motion_of(const Grid& g, const Values& u, const Values& v, const Values& w, const Values& position,
+                         const Values& radius, const Values& out) const {
+        const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
+        const int bodies = set.bodies();
+        const double *x = checked(position, "position", {bodies, 3}), *a = checked(radius, "radius", {bodies});
+        double* motion = checked(out, "inner motion", {bodies, 6});
+        nb::gil_scoped_release released;
+        inner_motion(g, q, set, x, a, motion);
+    }
 };
 
 }  // namespace
@@ -65,6 +74,7 @@ void bind_particles(nb::module_& module) {
         .def("place", &Markers::place_at)
         .def("interpolate", &Markers::interpolate_to)
         .def("spread", &Markers::spread_from)
+        .def("inner_motion", &Markers::inner_motion_of)
         .def_prop_ro("count", [](const Markers& self) { return self.set.count(); });
     module.def("sum_over_markers", [](const Indices& first, const Values& arm, const Values& volume,
                                       const Values& value, int threads, const Values& out) {
@@ -143,15 +153,5 @@ void bind_particles(nb::module_& module) {
         nb::gil_scoped_release released;
         stand_back(around, {retreat[0], retreat[1], retreat[2], retreat[3]}, bodies, f, x, c, a, whole,
                    threads, kept);
-    });
-    module.def("inner_motion", [](const Grid& g, const Values& u, const Values& v, const Values& w,
-                                  const Values& position, const Values& radius, const Values& out) {
-        const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
-        const int bodies = static_cast<int>(position.shape(0));
-        const double *x = checked(position, "position", {bodies, 3}),
-                     *a = checked(radius, "radius", {bodies});
-        double* motion = checked(out, "inner motion", {bodies, 6});
-        nb::gil_scoped_release released;
-        inner_motion(g, q, bodies, x, a, motion);
     });
 }

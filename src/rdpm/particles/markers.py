@@ -111,6 +111,12 @@ class MarkerSet:
         """Add factor * values, (M, 3), to a staggered field: the adjoint of `interpolate`."""
         self._stencils.spread(self.grid.core, *target, values, self.volume, factor)
 
+    def inner_motion(self, velocity: tuple[Floats, Floats, Floats], bodies: Bodies, radius: Floats) -> Floats:
+        """Mean velocity and spin, (N, 6) [m/s], [rad/s], of the fluid within a radius (N,) [m] of each centre."""
+        out = np.empty((len(bodies), 6))
+        self._stencils.inner_motion(self.grid.core, *velocity, bodies.position, radius, out)
+        return out
+
     def sums(self, values: Floats) -> Floats:
         """Of each body, (N, 6): sum of volume * value, and of arm x (volume * value)."""
         out = np.empty((self.first.size - 1, 6))

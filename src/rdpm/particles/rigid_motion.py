@@ -25,7 +25,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm import _core
 from rdpm.fluid.state import Fluid
 from rdpm.particles.markers import MarkerSet
 from rdpm.particles.state import Bodies
@@ -124,8 +123,7 @@ class RigidMotion:
 
     def inner_momentum(self) -> Floats:
         """Momentum and angular momentum of the fluid inside each body, (N, 6) [kg m/s], [kg m^2/s]."""
-        out = np.empty((len(self.bodies), 6))
-        _core.inner_motion(self.fluid.grid.core, *self.fluid.velocity, self.bodies.position, self.radius, out)
+        out = self.markers.inner_motion(self.fluid.velocity, self.bodies, self.radius)
         out[:, :3] *= self.fluid_mass[:, None]
         out[:, 3:] *= self.fluid_moment[:, None]
         return out

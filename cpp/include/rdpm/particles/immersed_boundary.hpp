@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
 
 #include "rdpm/fluid/momentum.hpp"
 #include "rdpm/particles/marker_stencils.hpp"
@@ -64,7 +65,7 @@ template <int component>
 inline Four interpolate_inner(std::size_t row, std::size_t plane, const double* q, const InnerMarker& m,
                               const Weights& weights, int n) {
     const auto &in_y = weights.y[component == 1], &in_z = weights.z[component == 2];
-    const double* p = q + m.first[component];
+    const double* p = q + m.at[component];
     const auto in_plane = [&](const double* r) {
         const auto at = [](const double* value) { return *reinterpret_cast<const Four*>(value); };
         return in_y[0][n] * at(r) + in_y[1][n] * at(r + row) + in_y[2][n] * at(r + 2 * row);
@@ -85,7 +86,7 @@ inline void add_up(const Four& u, const Four& v, const Four& w, double* out) {
 inline void aim(const Grid& g, const StencilSet& set, int b, int first, int last, int markers, Prefetch& ahead) {
     const BodyMarkers& body = set.body[b];
     auto begin = set.line.data() + body.first_line, end = set.line.data() + body.last_line;
-    if (body.box.lower[2] > stencil_margin && body.box.upper[2] <= g.nz() - stencil_margin) {
+    if (body.box.lower[2] > stencil_reach && body.box.upper[2] <= g.nz() - stencil_reach) {
         const auto plane = [&](int k) { return static_cast<std::int32_t>(k * g.plane()); };
         begin = std::lower_bound(begin, end, plane(first));
         end = std::lower_bound(begin, end, plane(last));
@@ -129,18 +130,18 @@ inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet
             const int count = std::min({Weights::most, others - begin, set.body[b + 1].begin - begin});
             Weights weights;
             weights.find(set, begin);
-            for (int n = 0; n < count; ++n) {
+            const int inside = std::clamp(set.body[b].wrapped - begin, 0, count);
+            for (int n = 0; n < inside; ++n) {
                 ahead.advance();
-                double* value = out + 3 * marker[n].marker;
-                if (marker[n].is_wrapped()) {
-                    const WrappedPoints at(g, set, begin + n);
-                    add_up(interpolate_wrapped<0>(q.u, at, weights, n), interpolate_wrapped<1>(q.v, at, weights, n),
-                           interpolate_wrapped<2>(q.w, at, weights, n), value);
-                    continue;
-                }
                 add_up(interpolate_inner<0>(row, plane, q.u, marker[n], weights, n),
                        interpolate_inner<1>(row, plane, q.v, marker[n], weights, n),
-                       interpolate_inner<2>(row, plane, q.w, marker[n], weights, n), value);
+                       interpolate_inner<2>(row, plane, q.w, marker[n], weights, n), out + 3 * marker[n].marker);
+            }
+            for (int n = inside; n < count; ++n) {
+                ahead.advance();
+                const WrappedPoints at(g, set, begin + n);
+                add_up(interpolate_wrapped<0>(q.u, at, weights, n), interpolate_wrapped<1>(q.v, at, weights, n),
+                       interpolate_wrapped<2>(q.w, at, weights, n), out + 3 * marker[n].marker);
             }
             begin += count;
         }
@@ -171,8 +172,8 @@ inline void spread_inner(std::size_t row, std::size_t plane, double* q, const In
                          const Weights& weights, int n, double strength, int first, int last) {
     const auto &in_y = weights.y[component == 1], &in_z = weights.z[component == 2];
     const Four along_x = strength * weights.x[component == 0][n];
-    double* p = q + m.first[component];
-    const int lowest = bounded ? m.first[component] / static_cast<int>(plane) : 0;
+    double* p = q + m.at[component];
+    const int lowest = bounded ? m.at[component] / static_cast<int>(plane) : 0;
     const auto at = [](double* r) -> Four& { return *reinterpret_cast<Four*>(r); };
     // Read before anything is written, which may alias them.
     const double z[3] = {in_z[0][n], in_z[1][n], in_z[2][n]}, low = in_y[0][n], middle = in_y[1][n],
@@ -216,28 +217,29 @@ struct Source {
     double factor;
 };
 
-// Inner markers that follow each other.
+// Inner markers of a body that follow each other: those from `wrapped` on are so.
 struct Run {
-    int begin, end;
+    int begin, wrapped, end;
     int count() const { return end - begin; }
 };
 
 // Which markers give to the planes [first, last): those from two planes below that of its nearest centre to one above
-// it are a marker's. `InnerMarker::offset` tells.
+// it are a marker's.
 struct Reach {
     int first, last;
-    long whole[2], part[2];  // of `InnerMarker::offset`, where the planes hold all a marker gives, or some of it
+    long whole[2], part[2];  // of `InnerMarker::at[0]`, where the planes hold all a marker gives, or some of it
 
     Reach(const Grid& g, int first, int last) : first(first), last(last) {
+        // The first point lies in the plane before that of the nearest centre.
         const auto offset = [&](int k) { return static_cast<long>(k - 1) * static_cast<long>(g.plane()); };
         whole[0] = offset(first + 2), whole[1] = offset(last - 1);
         part[0] = offset(first - 1), part[1] = offset(last + 2);
     }
 
-    // Those of body b. All of them, where a body lies across a periodic side.
+    // Those of body b.
     Run run_of(const Grid& g, const StencilSet& set, int b) const {
         const BodyMarkers& body = set.body[b];
-        const Run all{body.begin, set.body[b + 1].begin}, none{all.begin, all.begin};
+        const Run all{body.begin, body.wrapped, set.body[b + 1].begin}, none{};
         if (all.count() == 0) return none;
         const int lowest = body.box.lower[2] - 2, highest = body.box.upper[2] + 1, n = g.nz();
         if (lowest < 1 || highest > n) {
@@ -246,46 +248,50 @@ struct Reach {
             return none;
         }
         if (lowest >= last || highest < first) return none;
-        if (lowest >= first && highest < last) return all;
+        if (all.wrapped < all.end || (lowest >= first && highest < last)) return all;
         // In the order of planes: those out of reach come first and last.
         const auto begin = set.inner.begin() + all.begin, end = set.inner.begin() + all.end;
-        const auto before = [](long limit) {
-            return [limit](const InnerMarker& m) { return m.offset() < limit; };
-        };
+        const auto before = [](long limit) { return [limit](const InnerMarker& m) { return m.at[0] < limit; }; };
         const auto from = std::partition_point(begin, end, before(part[0])),
                    to = std::partition_point(from, end, before(part[1]));
-        return {static_cast<int>(from - set.inner.begin()), static_cast<int>(to - set.inner.begin())};
+        const int stop = static_cast<int>(to - set.inner.begin());
+        return {static_cast<int>(from - set.inner.begin()), stop, stop};
     }
 };
 
 // What a run of inner markers gives to the planes [first, last).
 inline void spread_run(const Grid& g, const VelocityArrays& q, const StencilSet& set, const Source& source, Run run,
-                       int first, int last, Prefetch& ahead) {
+                       const Reach& reach, Prefetch& ahead) {
     const std::size_t row = g.row(), plane = g.plane();
-    const Reach reach(g, first, last);
+    const int first = reach.first, last = reach.last;
     for (int begin = run.begin; begin < run.end; begin += Weights::most) {
         const InnerMarker* marker = set.inner.data() + begin;
-        const int count = std::min(Weights::most, run.end - begin);
+        const int count = std::min(Weights::most, run.end - begin),
+                  inside = std::clamp(run.wrapped - begin, 0, count);
         Weights weights;
         weights.find(set, begin);
-        for (int n = 0; n < count; ++n) {
+        for (int n = 0; n < inside; ++n) {
             ahead.advance();
             const InnerMarker& m = marker[n];
             const double *f = source.value + 3 * m.marker, strength = source.factor * source.volume[m.marker];
-            if (m.is_wrapped()) {
-                const WrappedPoints at(g, set, begin + n);
-                spread_wrapped<0>(q.u, at, weights, n, strength * f[0], first, last);
-                spread_wrapped<1>(q.v, at, weights, n, strength * f[1], first, last);
-                spread_wrapped<2>(q.w, at, weights, n, strength * f[2], first, last);
-            } else if (m.offset() >= reach.whole[0] && m.offset() < reach.whole[1]) {
+            if (m.at[0] >= reach.whole[0] && m.at[0] < reach.whole[1]) {
                 spread_inner<0, false>(row, plane, q.u, m, weights, n, strength * f[0], 0, 0);
                 spread_inner<1, false>(row, plane, q.v, m, weights, n, strength * f[1], 0, 0);
                 spread_inner<2, false>(row, plane, q.w, m, weights, n, strength * f[2], 0, 0);
-            } else if (m.offset() >= reach.part[0] && m.offset() < reach.part[1]) {
+            } else if (m.at[0] >= reach.part[0] && m.at[0] < reach.part[1]) {
                 spread_inner<0, true>(row, plane, q.u, m, weights, n, strength * f[0], first, last);
                 spread_inner<1, true>(row, plane, q.v, m, weights, n, strength * f[1], first, last);
                 spread_inner<2, true>(row, plane, q.w, m, weights, n, strength * f[2], first, last);
             }
+        }
+        for (int n = inside; n < count; ++n) {
+            ahead.advance();
+            const InnerMarker& m = marker[n];
+            const double *f = source.value + 3 * m.marker, strength = source.factor * source.volume[m.marker];
+            const WrappedPoints at(g, set, begin + n);
+            spread_wrapped<0>(q.u, at, weights, n, strength * f[0], first, last);
+            spread_wrapped<1>(q.v, at, weights, n, strength * f[1], first, last);
+            spread_wrapped<2>(q.w, at, weights, n, strength * f[2], first, last);
         }
     }
 }
@@ -296,7 +302,7 @@ inline void spread(const Grid& g, const VelocityArrays& q, const StencilSet& set
     double* field[3] = {q.u, q.v, q.w};
     const Source source{value, volume, factor / g.volume()};
     const int nz = g.nz(), bodies = set.bodies();
-    const long inner = set.count_inner();
+    const long inner = std::accumulate(set.in_plane.begin(), set.in_plane.end(), 0L);
     const int threads = set.count() > 256 ? std::min(g.threads, nz) : 1;
 #pragma omp parallel num_threads(threads)
     {
@@ -326,7 +332,7 @@ inline void spread(const Grid& g, const VelocityArrays& q, const StencilSet& set
                 ahead.add(value + 3 * set.first[id], 3 * markers);
                 ahead.add(volume + set.first[id], markers);
             }
-            spread_run(g, q, set, source, run, first, last, ahead);
+            spread_run(g, q, set, source, run, reach, ahead);
             run = next;
         }
         for (const FoldedStencils& s : set.folded) {

@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
-#include <vector>
 
 #include "rdpm/fluid/momentum.hpp"
 #include "rdpm/grid/grid.hpp"
-#include "rdpm/particles/prefetch.hpp"
+#include "rdpm/particles/marker_stencils.hpp"
 
 namespace rdpm {
 
@@ -74,20 +72,23 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
         if (g.boundary[d] != periodic) return i;
         return i < 1 ? i + g.cells[d] : i > g.cells[d] ? i - g.cells[d] : i;
     };
-    const double dx = g.spacing[0], cells_a_length = 1.0 / dx;
+    // Indices within `half` of the centre, rounded outwards: what lies outside the sphere has no weight.
+    const auto within = [&](int d, double half) {
+        return std::pair(std::max(lower[d], static_cast<int>((-half - origin[d]) / g.spacing[d])),
+                         std::min(upper[d], static_cast<int>((half - origin[d]) / g.spacing[d]) + 1));
+    };
+    const double dx = g.spacing[0];
     for (int k = lower[2]; k <= upper[2]; ++k) {
-        const double z = origin[2] + k * g.spacing[2];
+        const double z = origin[2] + k * g.spacing[2], half = std::sqrt(std::max(0.0, reach * reach - z * z));
         const double* plane = field + wrapped(2, k) * g.plane();
+        // All rows of a plane are read as far as its longest: loops of the same length are foreseen.
+        const auto [first, last] = within(0, half);
+        const auto [first_row, last_row] = within(1, half);
         PlaneSums sums;
-        for (int j = lower[1]; j <= upper[1]; ++j) {
+        for (int j = first_row; j <= last_row; ++j) {
             const double y = origin[1] + j * g.spacing[1], yz = y * y + z * z;
             ahead.advance();
-            if (yz > reach * reach) continue;
             const double* row = plane + wrapped(1, j) * g.row();
-            const double half = std::sqrt(reach * reach - yz);
-            // Rounded outwards: what lies outside has no weight.
-            const int first = std::max(lower[0], static_cast<int>((-half - origin[0]) * cells_a_length)),
-                      last = std::min(upper[0], static_cast<int>((half - origin[0]) * cells_a_length) + 1);
             // A row that crosses a periodic side is read in two pieces.
             for (int i = first; i <= last;) {
                 const int at = wrapped(0, i);
@@ -123,36 +124,24 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
 }
 
 // Mean velocity (3) and spin (3) of the fluid within `radius` of each centre, (bodies, 6); sums normalised by
-// their weights.
-inline void inner_motion(const Grid& g, const VelocityArrays& q, int bodies, const double* position,
+// their weights. The markers are those of the same bodies: they know what to fetch ahead, and in which order.
+inline void inner_motion(const Grid& g, const VelocityArrays& q, const StencilSet& set, const double* position,
                          const double* radius, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
-    // From bottom to top, as the markers go: a thread finds what it left in its cache.
-    std::vector<int> order(bodies);
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(), [&](int a, int b) {
-        return std::pair(position[3 * a + 2] - radius[a], a) < std::pair(position[3 * b + 2] - radius[b], b);
-    });
+    const int bodies = set.bodies();
 #pragma omp parallel num_threads(g.threads) if (bodies > 1)
     {
         Prefetch ahead(q);
-        std::vector<std::int32_t> line;
-        const auto aim_at = [&](int b) {
-            CellBox box;
-            for (int d = 0; d < 3; ++d) {
-                box.lower[d] = static_cast<std::int32_t>((position[3 * b + d] - radius[b]) / g.spacing[d]);
-                box.upper[d] = static_cast<std::int32_t>((position[3 * b + d] + radius[b]) / g.spacing[d]) + 1;
-            }
-            line.resize(std::max(line.size(), box.most_lines(1)));
-            const int rows = 3 * (box.upper[1] - box.lower[1]) * (box.upper[2] - box.lower[2]);
-            ahead.aim(line.data(), line.data() + find_lines(g, box, 1, line.data()), rows);
-        };
         const int me = omp_get_thread_num(), team = omp_get_num_threads(),
                   begin = static_cast<int>(static_cast<long>(bodies) * me / team),
                   end = static_cast<int>(static_cast<long>(bodies) * (me + 1) / team);
         for (int n = begin; n < end; ++n) {
-            const int b = order[n];
-            if (n + 1 < end) aim_at(order[n + 1]);
+            const int b = set.body[n].id;
+            if (n + 1 < end) {
+                const BodyMarkers& next = set.body[n + 1];
+                const int across = next.box.upper[2] - next.box.lower[2] + 1, rows = 2 * across * across;  // of a ball
+                ahead.aim(set.line.data() + next.first_line, set.line.data() + next.last_line, rows);
+            }
             double mean[3] = {}, weight[3] = {}, moment[3] = {}, arm_square[3] = {};
             for (int c = 0; c < 3; ++c)
                 add_component(g, field[c], c, position + 3 * b, radius[b], ahead, mean, weight, moment, arm_square);

@@ -28,40 +28,36 @@ struct FoldedStencils {
 };
 
 struct InnerMarker {
-    std::int32_t first[3];  // offset of each component's first of 27 points; where points are wrapped the complement
-                            // of that of the first centre
+    std::int32_t at[3];  // offset of each component's first of 27 points; the nearest centre where points are wrapped
     std::int32_t marker;
-    bool is_wrapped() const { return first[0] < 0; }
-    // In the plane before that of the nearest centre.
-    std::int32_t offset() const { return is_wrapped() ? ~first[0] : first[0]; }
 };
 
-// The inner markers of one body: where they begin in `StencilSet::inner`, the box of their nearest centres, and the
-// lines of the fields that they touch, in `StencilSet::line`.
+// The inner markers of one body: where they and those whose points are wrapped begin in `StencilSet::inner`, the box
+// of their nearest centres, and the lines of the fields that they touch, in `StencilSet::line`.
 struct BodyMarkers {
-    std::int32_t id, begin;
+    std::int32_t id, begin, wrapped;
     CellBox box;
     std::int64_t first_line, last_line;
 };
 
-// From a nearest centre to the farthest point of its stencil [cells].
-constexpr int stencil_margin = 3;
+// From a nearest centre to the farthest point of its stencil, along a direction [cells].
+constexpr int stencil_reach = 2;
 
 // Of how many inner markers weights are found at a time.
 constexpr int most_weights = 16;
 
-// The plane of a marker beside a side.
-constexpr std::int32_t folded_marker = INT32_MIN;
+// In place of the plane, of markers beside a side.
+constexpr std::int32_t folded_marker = INT32_MIN, wrapped_marker = INT32_MAX;
 
 struct StencilSet {
-    std::vector<InnerMarker> inner;  // body after body from bottom to top, within a body by plane
+    std::vector<InnerMarker> inner;  // body after body from bottom to top, within a body by plane, wrapped ones last
     std::vector<double> from_centre[3];              // of each of these, -0.5 to 0.5 [cells]
     std::vector<FoldedStencils> folded;
     std::vector<std::int32_t> first;                 // markers first[b] to first[b + 1] belong to body b
     std::vector<BodyMarkers> body;                   // in that order, and one more, of which only `begin` counts
     std::vector<std::int32_t> line;                  // by body, by plane
-    std::vector<std::int32_t> in_plane;              // inner markers whose nearest centre is in a plane
-    std::vector<std::int32_t> plane;                 // of each marker's nearest centre, or that it is folded
+    std::vector<std::int32_t> in_plane;              // inner markers whose nearest centre is in a plane; wrapped apart
+    std::vector<std::int32_t> plane;                 // of each marker's nearest centre, or that it is folded or wrapped
     std::vector<std::vector<std::int32_t>> scratch;  // of each thread: where a body's planes begin
 
     StencilSet(const Grid& g, const std::int32_t* of_body, int bodies)
@@ -150,9 +146,9 @@ inline void measure_body(const Grid& g, const double* position, StencilSet& set,
     for (int m = set.first[body.id]; m < set.first[body.id + 1]; ++m) {
         int nearest[3] = {};
         double from_centre[3];
-        const bool is_folded = locate(g, cells_a_metre, position + 3 * m, nearest, from_centre) == Place::folded;
-        set.plane[m] = is_folded ? folded_marker : nearest[2];
-        if (is_folded) continue;
+        const Place place = locate(g, cells_a_metre, position + 3 * m, nearest, from_centre);
+        set.plane[m] = place == Place::folded ? folded_marker : place == Place::wrapped ? wrapped_marker : nearest[2];
+        if (place == Place::folded) continue;
         ++body.begin;
         for (int d = 0; d < 3; ++d) {
             body.box.lower[d] = std::min(body.box.lower[d], nearest[d]);
@@ -166,29 +162,33 @@ inline void order_body(const Grid& g, const double* position, StencilSet& set, i
                        std::vector<std::int32_t>& begin) {
     BodyMarkers& body = set.body[b];
     if (body.begin == set.body[b + 1].begin) return;
-    body.last_line += find_lines(g, body.box, stencil_margin, set.line.data() + body.first_line);
+    body.last_line += find_lines(g, body.box, stencil_reach, set.line.data() + body.first_line);
     const double cells_a_metre[3] = {1.0 / g.spacing[0], 1.0 / g.spacing[1], 1.0 / g.spacing[2]};
     const int planes = body.box.upper[2] - body.box.lower[2] + 1;
     const auto row = static_cast<std::int32_t>(g.row()), plane = static_cast<std::int32_t>(g.plane());
     const auto wrapped = [&](int d, int i) { return ((i - 1) % g.cells[d] + g.cells[d]) % g.cells[d] + 1; };
+    const auto bucket = [&](int m) {
+        return set.plane[m] == wrapped_marker ? planes : set.plane[m] - body.box.lower[2];
+    };
     // begin[k + 1] counts, then moves from the begin of plane k to its end while the markers are put in.
-    begin.assign(planes + 2, 0);
+    begin.assign(planes + 3, 0);
     for (int m = set.first[body.id]; m < set.first[body.id + 1]; ++m)
-        if (set.plane[m] != folded_marker) ++begin[set.plane[m] - body.box.lower[2] + 2];
+        if (set.plane[m] != folded_marker) ++begin[bucket(m) + 2];
     for (int k = 0; k < planes; ++k) {
-        std::int32_t& total = set.in_plane[wrapped(2, body.box.lower[2] + k)];
+        if (begin[k + 2] > 0) {
+            std::int32_t& total = set.in_plane[body.box.lower[2] + k];
 #pragma omp atomic
-        total += begin[k + 2];
+            total += begin[k + 2];
+        }
         begin[k + 2] += begin[k + 1];
     }
+    body.wrapped = body.begin + begin[planes + 1];
     for (int m = set.first[body.id]; m < set.first[body.id + 1]; ++m) {
         if (set.plane[m] == folded_marker) continue;
-        const std::int32_t at = body.begin + begin[set.plane[m] - body.box.lower[2] + 1]++;
+        const std::int32_t at = body.begin + begin[bucket(m) + 1]++;
         int nearest[3] = {};
         double from_centre[3];
-        const Place place = locate(g, cells_a_metre, position + 3 * m, nearest, from_centre);
-        if (place == Place::wrapped)
-            for (int d = 0; d < 3; ++d) nearest[d] = wrapped(d, nearest[d]);
+        locate(g, cells_a_metre, position + 3 * m, nearest, from_centre);
         const std::int32_t first = (nearest[2] - 1) * plane + (nearest[1] - 1) * row + nearest[0] - 1,
                            stride[3] = {1, row, plane};
         InnerMarker& s = set.inner[at];
@@ -196,7 +196,8 @@ inline void order_body(const Grid& g, const double* position, StencilSet& set, i
         for (int d = 0; d < 3; ++d) {
             set.from_centre[d][at] = from_centre[d];
             // Below the nearest centre the nearest face is one before.
-            s.first[d] = place == Place::wrapped ? ~first : first - (std::signbit(from_centre[d]) ? stride[d] : 0);
+            s.at[d] = set.plane[m] == wrapped_marker ? wrapped(d, nearest[d])
+                                                     : first - (std::signbit(from_centre[d]) ? stride[d] : 0);
         }
     }
 }
@@ -216,7 +217,7 @@ inline void place(const Grid& g, const double* position, StencilSet& set) {
     std::int64_t lines = 0;
     for (BodyMarkers& body : set.body) {
         body.first_line = body.last_line = lines;
-        if (body.begin > 0) lines += body.box.most_lines(stencil_margin);
+        if (body.begin > 0) lines += body.box.most_lines(stencil_reach);
         inner += std::exchange(body.begin, inner);
     }
     if (static_cast<std::int64_t>(set.line.size()) < lines) set.line.resize(lines);
@@ -242,15 +243,13 @@ struct WrappedPoints {
     bool is_below[3];  // the nearest face is one before the nearest centre
 
     WrappedPoints(const Grid& g, const StencilSet& set, int inner) {
-        const int first = set.inner[inner].offset(), row = static_cast<int>(g.row()), plane_size = static_cast<int>(g.plane());
-        const int k = first / plane_size, j = (first - k * plane_size) / row;
-        const int nearest[3] = {first - k * plane_size - j * row + 1, j + 1, k + 1};
+        const std::int32_t* nearest = set.inner[inner].at;
         const auto wrapped = [&](int d, int i) { return i < 1 ? i + g.cells[d] : i > g.cells[d] ? i - g.cells[d] : i; };
         for (int a = 0; a < 4; ++a) {
             x[a] = wrapped(0, nearest[0] - 2 + a);
-            y[a] = wrapped(1, nearest[1] - 2 + a) * static_cast<std::ptrdiff_t>(row);
+            y[a] = wrapped(1, nearest[1] - 2 + a) * static_cast<std::ptrdiff_t>(g.row());
             plane[a] = wrapped(2, nearest[2] - 2 + a);
-            z[a] = plane[a] * static_cast<std::ptrdiff_t>(plane_size);
+            z[a] = plane[a] * static_cast<std::ptrdiff_t>(g.plane());
         }
         for (int d = 0; d < 3; ++d) is_below[d] = std::signbit(set.from_centre[d][inner]);
     }

@@ -14,33 +14,37 @@ namespace rdpm {
 // A box of cells, unwrapped.
 struct CellBox {
     std::int32_t lower[3], upper[3];
-    // The most lines that `find_lines` gives for it.
-    std::size_t most_lines(int margin) const {
-        const auto width = [&](int d) { return static_cast<std::size_t>(upper[d] - lower[d] + 1 + 2 * margin); };
+    // The most lines that `find_lines` gives for what is in reach of it.
+    std::size_t most_lines(int reach) const {
+        const auto width = [&](int d) { return static_cast<std::size_t>(upper[d] - lower[d] + 1 + 2 * reach); };
         return width(2) * width(1) * (width(0) / 8 + 3);
     }
 };
 
-// Offsets in a field, no more than eight values apart along a row, in the ellipsoid that `margin` cells lie around
-// the box; returns their number.
-inline int find_lines(const Grid& g, const CellBox& box, int margin, std::int32_t* out) {
-    float middle[3], reach[3];
+// Offsets in a field, no more than eight values apart along a row, of the points at most `reach` cells along each
+// direction from the ellipsoid in the box; returns their number.
+inline int find_lines(const Grid& g, const CellBox& box, int reach, std::int32_t* out) {
+    float middle[3], axis[3];
     for (int d = 0; d < 3; ++d) {
         middle[d] = 0.5f * (box.lower[d] + box.upper[d]);
-        reach[d] = 0.5f * (box.upper[d] - box.lower[d]) + margin;
+        axis[d] = 0.5f * (box.upper[d] - box.lower[d]) + 0.5f;
     }
     const auto wrapped = [&](int d, int i) {
         if (g.boundary[d] != periodic) return std::clamp(i, 0, g.cells[d] + 1);
         return i < 1 ? i + g.cells[d] : i > g.cells[d] ? i - g.cells[d] : i;
     };
+    // Square of the coordinate of the nearest point in reach, over the axis.
+    const auto nearest = [&](int d, int i) {
+        const float x = std::max(0.0f, std::abs(i - middle[d]) - reach) / axis[d];
+        return x * x;
+    };
     int count = 0;
-    for (int k = box.lower[2] - margin; k <= box.upper[2] + margin; ++k) {
-        const float z = (k - middle[2]) / reach[2];
+    for (int k = box.lower[2] - reach; k <= box.upper[2] + reach; ++k) {
         const auto plane = static_cast<std::int32_t>(wrapped(2, k) * g.plane());
-        for (int j = box.lower[1] - margin; j <= box.upper[1] + margin; ++j) {
-            const float y = (j - middle[1]) / reach[1], rest = 1.0f - y * y - z * z;
+        for (int j = box.lower[1] - reach; j <= box.upper[1] + reach; ++j) {
+            const float rest = 1.0f - nearest(1, j) - nearest(2, k);
             if (rest <= 0.0f) continue;
-            const float half = reach[0] * std::sqrt(rest);
+            const float half = axis[0] * std::sqrt(rest) + reach;
             const auto row = static_cast<std::int32_t>(plane + wrapped(1, j) * g.row());
             const int begin = static_cast<int>(middle[0] - half), end = static_cast<int>(middle[0] + half) + 1;
             for (int i = begin; i < end + 8; i += 8) out[count++] = row + wrapped(0, std::min(i, end));
