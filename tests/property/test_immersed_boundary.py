@@ -67,8 +67,8 @@ def test_spread_is_the_adjoint_of_interpolate(boundary, seed: int, threads: int)
 @given(kinds, seeds)
 def test_spreading_does_not_depend_on_threads(boundary, seed: int) -> None:
     rng = np.random.default_rng(seed)
-    position = points_in(Grid(SIZE, CELLS), rng, 600)  # enough for several threads to take part
-    f, volume = rng.normal(size=(600, 3)), rng.uniform(0.1, 1.0, 600)
+    position = points_in(Grid(SIZE, CELLS), rng, 3000)  # enough for several threads to take part
+    f, volume = rng.normal(size=(3000, 3)), rng.uniform(0.1, 1.0, 3000)
     found = []
     for threads in (1, 2, 3):
         grid = Grid(SIZE, CELLS, boundary, threads=threads)

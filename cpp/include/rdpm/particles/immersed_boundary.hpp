@@ -107,7 +107,7 @@ inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet
     const double* field[3] = {q.u, q.v, q.w};
     const std::size_t row = g.row(), plane = g.plane();
     const int inner = set.count_inner(), folded = static_cast<int>(set.folded.size());
-#pragma omp parallel num_threads(g.threads) if (set.count() > 256)
+#pragma omp parallel num_threads(g.threads) if (set.count() > few_markers)
     {
         const int team = omp_get_num_threads(), me = omp_get_thread_num();
         const int mine = static_cast<int>(static_cast<long>(inner) * me / team),
@@ -303,7 +303,7 @@ inline void spread(const Grid& g, const VelocityArrays& q, const StencilSet& set
     const Source source{value, volume, factor / g.volume()};
     const int nz = g.nz(), bodies = set.bodies();
     const long inner = std::accumulate(set.in_plane.begin(), set.in_plane.end(), 0L);
-    const int threads = set.count() > 256 ? std::min(g.threads, nz) : 1;
+    const int threads = set.count() > few_markers ? std::min(g.threads, nz) : 1;
 #pragma omp parallel num_threads(threads)
     {
         const int team = omp_get_num_threads(), me = omp_get_thread_num();

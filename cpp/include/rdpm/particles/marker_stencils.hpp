@@ -43,6 +43,9 @@ struct BodyMarkers {
 // From a nearest centre to the farthest point of its stencil, along a direction [cells].
 constexpr int stencil_reach = 2;
 
+// So few are worked on by one thread: a second would have to be woken, and fetch from the first one's cache.
+constexpr int few_markers = 2048;
+
 // Of how many inner markers weights are found at a time.
 constexpr int most_weights = 16;
 
