@@ -55,11 +55,12 @@ struct Markers {
         nb::gil_scoped_release released;
         spread(g, q, set, values, volumes, factor);
     }
-    void inner_motion_of(const Grid& g, const Values& u, const Values& v, const Values& w, const Values& position,
-                         const Values& radius, const Values& out) const {
+    void inner_motion_of(const Grid& g, const Values& u, const Values& v, const Values& w,
+                         const Values& position, const Values& radius, const Values& out) const {
         const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
         const int bodies = set.bodies();
-        const double *x = checked(position, "position", {bodies, 3}), *a = checked(radius, "radius", {bodies});
+        const double *x = checked(position, "position", {bodies, 3}),
+                     *a = checked(radius, "radius", {bodies});
         double* motion = checked(out, "inner motion", {bodies, 6});
         nb::gil_scoped_release released;
         inner_motion(g, q, set, x, a, motion);
@@ -88,13 +89,15 @@ void bind_particles(nb::module_& module) {
         sum_over_markers(bodies, f, r, dv, x, threads, sums);
     });
     module.def("move_markers", [](const Indices& first, const Values& orientation, const Values& centre,
-                                  const Values& body_arm, const Values& body_force, int threads, const Values& arm,
-                                  const Values& position, const Values& force) {
+                                  const Values& body_arm, const Values& body_force, int threads,
+                                  const Values& arm, const Values& position, const Values& force) {
         const int bodies = static_cast<int>(first.shape(0)) - 1;
         const std::int32_t* f = checked(first, "first", {bodies + 1});
         const int n = f[bodies];
-        const double *o = checked(orientation, "orientation", {bodies, 4}), *x = checked(centre, "centre", {bodies, 3}),
-                     *r_body = checked(body_arm, "body arm", {n, 3}), *f_body = checked(body_force, "body force", {n, 3});
+        const double *o = checked(orientation, "orientation", {bodies, 4}),
+                     *x = checked(centre, "centre", {bodies, 3}),
+                     *r_body = checked(body_arm, "body arm", {n, 3}),
+                     *f_body = checked(body_force, "body force", {n, 3});
         double *r = checked(arm, "arm", {n, 3}), *at = checked(position, "position", {n, 3}),
                *given = checked(force, "force", {n, 3});
         nb::gil_scoped_release released;
@@ -110,9 +113,9 @@ void bind_particles(nb::module_& module) {
         nb::gil_scoped_release released;
         keep_forces(bodies, f, o, share, threads, given, f_body);
     });
-    module.def("rigid_change", [](const Indices& first, const Values& arm, const Values& volume, const Values& velocity,
-                                  const Values& spin, double inverse_dt, int threads, const Values& change,
-                                  const Values& force, const Values& out) {
+    module.def("rigid_change", [](const Indices& first, const Values& arm, const Values& volume,
+                                  const Values& velocity, const Values& spin, double inverse_dt, int threads,
+                                  const Values& change, const Values& force, const Values& out) {
         const int bodies = static_cast<int>(first.shape(0)) - 1;
         const std::int32_t* f = checked(first, "first", {bodies + 1});
         const int n = f[bodies];

@@ -70,8 +70,8 @@ inline Four interpolate_inner(std::size_t row, std::size_t plane, const double* 
         const auto at = [](const double* value) { return *reinterpret_cast<const Four*>(value); };
         return in_y[0][n] * at(r) + in_y[1][n] * at(r + row) + in_y[2][n] * at(r + 2 * row);
     };
-    return weights.x[component == 0][n] *
-           (in_z[0][n] * in_plane(p) + in_z[1][n] * in_plane(p + plane) + in_z[2][n] * in_plane(p + 2 * plane));
+    return weights.x[component == 0][n] * (in_z[0][n] * in_plane(p) + in_z[1][n] * in_plane(p + plane) +
+                                           in_z[2][n] * in_plane(p + 2 * plane));
 }
 
 inline void add_up(const Four& u, const Four& v, const Four& w, double* out) {
@@ -82,8 +82,10 @@ inline void add_up(const Four& u, const Four& v, const Four& w, double* out) {
     out[2] = (w[0] + w[1]) + w[2];
 }
 
-// Has what body b's markers will touch, of the planes [first, last), fetched while so many others are worked on.
-inline void aim(const Grid& g, const StencilSet& set, int b, int first, int last, int markers, Prefetch& ahead) {
+// Has what body b's markers will touch, of the planes [first, last), fetched while so many others are worked
+// on.
+inline void aim(const Grid& g, const StencilSet& set, int b, int first, int last, int markers,
+                Prefetch& ahead) {
     const BodyMarkers& body = set.body[b];
     auto begin = set.line.data() + body.first_line, end = set.line.data() + body.last_line;
     if (body.box.lower[2] > stencil_reach && body.box.upper[2] <= g.nz() - stencil_reach) {
@@ -119,7 +121,8 @@ inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet
                 ++b;
                 while (set.body[b + 1].begin <= begin) ++b;
                 int after = b + 1;
-                while (set.body[after].begin < others && set.body[after + 1].begin == set.body[after].begin) ++after;
+                while (set.body[after].begin < others && set.body[after + 1].begin == set.body[after].begin)
+                    ++after;
                 if (set.body[after].begin < others) {
                     aim(g, set, after, 0, g.nz() + 2, set.body[b + 1].begin - begin, ahead);
                     const int id = set.body[after].id;
@@ -135,12 +138,14 @@ inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet
                 ahead.advance();
                 add_up(interpolate_inner<0>(row, plane, q.u, marker[n], weights, n),
                        interpolate_inner<1>(row, plane, q.v, marker[n], weights, n),
-                       interpolate_inner<2>(row, plane, q.w, marker[n], weights, n), out + 3 * marker[n].marker);
+                       interpolate_inner<2>(row, plane, q.w, marker[n], weights, n),
+                       out + 3 * marker[n].marker);
             }
             for (int n = inside; n < count; ++n) {
                 ahead.advance();
                 const WrappedPoints at(g, set, begin + n);
-                add_up(interpolate_wrapped<0>(q.u, at, weights, n), interpolate_wrapped<1>(q.v, at, weights, n),
+                add_up(interpolate_wrapped<0>(q.u, at, weights, n),
+                       interpolate_wrapped<1>(q.v, at, weights, n),
                        interpolate_wrapped<2>(q.w, at, weights, n), out + 3 * marker[n].marker);
             }
             begin += count;
@@ -223,11 +228,12 @@ struct Run {
     int count() const { return end - begin; }
 };
 
-// Which markers give to the planes [first, last): those from two planes below that of its nearest centre to one above
-// it are a marker's.
+// Which markers give to the planes [first, last): those from two planes below that of its nearest centre to
+// one above it are a marker's.
 struct Reach {
     int first, last;
-    long whole[2], part[2];  // of `InnerMarker::at[0]`, where the planes hold all a marker gives, or some of it
+    long whole[2],
+        part[2];  // of `InnerMarker::at[0]`, where the planes hold all a marker gives, or some of it
 
     Reach(const Grid& g, int first, int last) : first(first), last(last) {
         // The first point lies in the plane before that of the nearest centre.
@@ -251,7 +257,9 @@ struct Reach {
         if (all.wrapped < all.end || (lowest >= first && highest < last)) return all;
         // In the order of planes: those out of reach come first and last.
         const auto begin = set.inner.begin() + all.begin, end = set.inner.begin() + all.end;
-        const auto before = [](long limit) { return [limit](const InnerMarker& m) { return m.at[0] < limit; }; };
+        const auto before = [](long limit) {
+            return [limit](const InnerMarker& m) { return m.at[0] < limit; };
+        };
         const auto from = std::partition_point(begin, end, before(part[0])),
                    to = std::partition_point(from, end, before(part[1]));
         const int stop = static_cast<int>(to - set.inner.begin());
@@ -260,8 +268,8 @@ struct Reach {
 };
 
 // What a run of inner markers gives to the planes [first, last).
-inline void spread_run(const Grid& g, const VelocityArrays& q, const StencilSet& set, const Source& source, Run run,
-                       const Reach& reach, Prefetch& ahead) {
+inline void spread_run(const Grid& g, const VelocityArrays& q, const StencilSet& set, const Source& source,
+                       Run run, const Reach& reach, Prefetch& ahead) {
     const std::size_t row = g.row(), plane = g.plane();
     const int first = reach.first, last = reach.last;
     for (int begin = run.begin; begin < run.end; begin += Weights::most) {
@@ -320,7 +328,8 @@ inline void spread(const Grid& g, const VelocityArrays& q, const StencilSet& set
         int after = 0;  // the body to come
         const auto next_run = [&] {
             Run run{};
-            while (after < bodies && (run = reach.run_of(g, set, after++)).count() == 0) {}
+            while (after < bodies && (run = reach.run_of(g, set, after++)).count() == 0) {
+            }
             return run;
         };
         Prefetch ahead(q);

@@ -18,21 +18,23 @@ inline double sum_of(const Eight& v) {
     return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
 }
 
-// Sums over faces within a sphere, eight at a time: of weight and weight * value, with x, y and their squares.
+// Sums over faces within a sphere, eight at a time: of weight and weight * value, with x, y and their
+// squares.
 struct PlaneSums {
     Eight weight{}, value{}, value_x{}, value_y{}, x_square{}, y_square{};
 };
 
 // A row of `count` faces from x on, its height y and squared distance yz. The fraction inside falls from one
-// to nothing over one cell, linearly in the squared distance, which needs no root: 0.5 + (square - r^2) slope.
-inline void add_row(const double* q, int count, double x, double dx, double y, double yz, double square, double slope,
-                    PlaneSums& sums) {
+// to nothing over one cell, linearly in the squared distance, which needs no root: 0.5 + (square - r^2)
+// slope.
+inline void add_row(const double* q, int count, double x, double dx, double y, double yz, double square,
+                    double slope, PlaneSums& sums) {
     const Eight lane{0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0}, none{}, all = none + 1.0;
     const double on_axis = 0.5 + (square - yz) * slope;
     Eight weight{}, values{};
     for (int n = 0; n < count; n += 8) {
-        // The last eight end with the row, so that what follows, which may not be in the cache, is read of short
-        // rows only; none is counted twice.
+        // The last eight end with the row, so that what follows, which may not be in the cache, is read of
+        // short rows only; none is counted twice.
         const int i = std::max(0, std::min(n, count - 8));
         const Eight at = (x + i * dx) + lane * dx, at_square = at * at;
         Eight inside = on_axis - at_square * slope;
@@ -125,8 +127,8 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
 
 // Mean velocity (3) and spin (3) of the fluid within `radius` of each centre, (bodies, 6); sums normalised by
 // their weights. The markers are those of the same bodies: they know what to fetch ahead, and in which order.
-inline void inner_motion(const Grid& g, const VelocityArrays& q, const StencilSet& set, const double* position,
-                         const double* radius, double* out) {
+inline void inner_motion(const Grid& g, const VelocityArrays& q, const StencilSet& set,
+                         const double* position, const double* radius, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
     const int bodies = set.bodies();
 #pragma omp parallel num_threads(g.threads) if (bodies > 1)
@@ -139,12 +141,14 @@ inline void inner_motion(const Grid& g, const VelocityArrays& q, const StencilSe
             const int b = set.body[n].id;
             if (n + 1 < end) {
                 const BodyMarkers& next = set.body[n + 1];
-                const int across = next.box.upper[2] - next.box.lower[2] + 1, rows = 2 * across * across;  // of a ball
+                const int across = next.box.upper[2] - next.box.lower[2] + 1,
+                          rows = 2 * across * across;  // of a ball
                 ahead.aim(set.line.data() + next.first_line, set.line.data() + next.last_line, rows);
             }
             double mean[3] = {}, weight[3] = {}, moment[3] = {}, arm_square[3] = {};
             for (int c = 0; c < 3; ++c)
-                add_component(g, field[c], c, position + 3 * b, radius[b], ahead, mean, weight, moment, arm_square);
+                add_component(g, field[c], c, position + 3 * b, radius[b], ahead, mean, weight, moment,
+                              arm_square);
             for (int c = 0; c < 3; ++c) {
                 out[6 * b + c] = weight[c] > 0.0 ? mean[c] / weight[c] : 0.0;
                 out[6 * b + 3 + c] = arm_square[c] > 0.0 ? moment[c] / arm_square[c] : 0.0;

@@ -1,10 +1,10 @@
 // Where the markers lie on the grid and the weights they have there, made once a step.
 //
 // Markers are ordered by body, and within one by the plane they lie in: what a body's markers touch of
-// the fields stays in the core's cache while they are worked on, and the next body's is fetched meanwhile. A marker
-// away from the sides is kept as the place of its nearest centre and its distance from it, and its weights are found
-// again at each use: that is less than reading them; across a periodic side its points are wrapped. Beside the other
-// sides the stencils are folded, and kept.
+// the fields stays in the core's cache while they are worked on, and the next body's is fetched meanwhile. A
+// marker away from the sides is kept as the place of its nearest centre and its distance from it, and its
+// weights are found again at each use: that is less than reading them; across a periodic side its points are
+// wrapped. Beside the other sides the stencils are folded, and kept.
 #pragma once
 #include <omp.h>
 
@@ -28,12 +28,13 @@ struct FoldedStencils {
 };
 
 struct InnerMarker {
-    std::int32_t at[3];  // offset of each component's first of 27 points; the nearest centre where points are wrapped
+    std::int32_t
+        at[3];  // offset of each component's first of 27 points; the nearest centre where points are wrapped
     std::int32_t marker;
 };
 
-// The inner markers of one body: where they and those whose points are wrapped begin in `StencilSet::inner`, the box
-// of their nearest centres, and the lines of the fields that they touch, in `StencilSet::line`.
+// The inner markers of one body: where they and those whose points are wrapped begin in `StencilSet::inner`,
+// the box of their nearest centres, and the lines of the fields that they touch, in `StencilSet::line`.
 struct BodyMarkers {
     std::int32_t id, begin, wrapped;
     CellBox box;
@@ -53,14 +54,15 @@ constexpr int most_weights = 16;
 constexpr std::int32_t folded_marker = INT32_MIN, wrapped_marker = INT32_MAX;
 
 struct StencilSet {
-    std::vector<InnerMarker> inner;  // body after body from bottom to top, within a body by plane, wrapped ones last
-    std::vector<double> from_centre[3];              // of each of these, -0.5 to 0.5 [cells]
+    std::vector<InnerMarker>
+        inner;  // body after body from bottom to top, within a body by plane, wrapped ones last
+    std::vector<double> from_centre[3];  // of each of these, -0.5 to 0.5 [cells]
     std::vector<FoldedStencils> folded;
-    std::vector<std::int32_t> first;                 // markers first[b] to first[b + 1] belong to body b
-    std::vector<BodyMarkers> body;                   // in that order, and one more, of which only `begin` counts
-    std::vector<std::int32_t> line;                  // by body, by plane
-    std::vector<std::int32_t> in_plane;              // inner markers whose nearest centre is in a plane; wrapped apart
-    std::vector<std::int32_t> plane;                 // of each marker's nearest centre, or that it is folded or wrapped
+    std::vector<std::int32_t> first;     // markers first[b] to first[b + 1] belong to body b
+    std::vector<BodyMarkers> body;       // in that order, and one more, of which only `begin` counts
+    std::vector<std::int32_t> line;      // by body, by plane
+    std::vector<std::int32_t> in_plane;  // inner markers whose nearest centre is in a plane; wrapped apart
+    std::vector<std::int32_t> plane;     // of each marker's nearest centre, or that it is folded or wrapped
     std::vector<std::vector<std::int32_t>> scratch;  // of each thread: where a body's planes begin
 
     StencilSet(const Grid& g, const std::int32_t* of_body, int bodies)
@@ -97,7 +99,7 @@ struct Weights {
                 x[at][n] = Four{along_x[at][0][n], along_x[at][1][n], along_x[at][2][n], 0.0};
     }
 
-   private:
+  private:
     static void find_along(const double* from_centre, double (*out)[3][most]) {
 #pragma omp simd
         for (int n = 0; n < most; ++n) {
@@ -118,7 +120,8 @@ enum class Place { inside, wrapped, folded };
 
 // The nearest centre and the marker's distance from it in cells. The nearest face is one before where that is
 // negative; one point further on along x is read, with weight zero.
-inline Place locate(const Grid& g, const double* cells_a_metre, const double* x, int* nearest, double* from_centre) {
+inline Place locate(const Grid& g, const double* cells_a_metre, const double* x, int* nearest,
+                    double* from_centre) {
     Place place = Place::inside;
     for (int d = 0; d < 3; ++d) {
         const double at = x[d] * cells_a_metre[d];
@@ -150,7 +153,9 @@ inline void measure_body(const Grid& g, const double* position, StencilSet& set,
         int nearest[3] = {};
         double from_centre[3];
         const Place place = locate(g, cells_a_metre, position + 3 * m, nearest, from_centre);
-        set.plane[m] = place == Place::folded ? folded_marker : place == Place::wrapped ? wrapped_marker : nearest[2];
+        set.plane[m] = place == Place::folded    ? folded_marker
+                       : place == Place::wrapped ? wrapped_marker
+                                                 : nearest[2];
         if (place == Place::folded) continue;
         ++body.begin;
         for (int d = 0; d < 3; ++d) {
@@ -238,8 +243,8 @@ inline void place(const Grid& g, const double* position, StencilSet& set) {
     for (int b = 0; b < bodies; ++b) order_body(g, position, set, b, set.scratch[omp_get_thread_num()]);
 }
 
-// Where the points about a marker beside a periodic side are: offsets of four planes, rows and columns in a line,
-// the third of each being that of the nearest centre.
+// Where the points about a marker beside a periodic side are: offsets of four planes, rows and columns in a
+// line, the third of each being that of the nearest centre.
 struct WrappedPoints {
     std::ptrdiff_t x[4], y[4], z[4];
     int plane[4];
@@ -247,7 +252,9 @@ struct WrappedPoints {
 
     WrappedPoints(const Grid& g, const StencilSet& set, int inner) {
         const std::int32_t* nearest = set.inner[inner].at;
-        const auto wrapped = [&](int d, int i) { return i < 1 ? i + g.cells[d] : i > g.cells[d] ? i - g.cells[d] : i; };
+        const auto wrapped = [&](int d, int i) {
+            return i < 1 ? i + g.cells[d] : i > g.cells[d] ? i - g.cells[d] : i;
+        };
         for (int a = 0; a < 4; ++a) {
             x[a] = wrapped(0, nearest[0] - 2 + a);
             y[a] = wrapped(1, nearest[1] - 2 + a) * static_cast<std::ptrdiff_t>(g.row());

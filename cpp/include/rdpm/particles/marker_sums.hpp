@@ -19,14 +19,18 @@ struct Turn {
             {2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)}};
         std::copy_n(&turn[0][0], 9, &row[0][0]);
     }
-    double forth(const double* v, int c) const { return row[c][0] * v[0] + row[c][1] * v[1] + row[c][2] * v[2]; }
-    double back(const double* v, int c) const { return row[0][c] * v[0] + row[1][c] * v[1] + row[2][c] * v[2]; }
+    double forth(const double* v, int c) const {
+        return row[c][0] * v[0] + row[c][1] * v[1] + row[c][2] * v[2];
+    }
+    double back(const double* v, int c) const {
+        return row[0][c] * v[0] + row[1][c] * v[1] + row[2][c] * v[2];
+    }
 };
 
 // Arms, positions and forces of each body's markers from arms and forces in its axes.
-inline void move_markers(int bodies, const std::int32_t* first, const double* orientation, const double* centre,
-                         const double* body_arm, const double* body_force, int threads, double* arm,
-                         double* position, double* force) {
+inline void move_markers(int bodies, const std::int32_t* first, const double* orientation,
+                         const double* centre, const double* body_arm, const double* body_force, int threads,
+                         double* arm, double* position, double* force) {
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
     for (int b = 0; b < bodies; ++b) {
         const Turn turn(orientation + 4 * b);
@@ -40,8 +44,8 @@ inline void move_markers(int bodies, const std::int32_t* first, const double* or
 }
 
 // What each marker keeps of its force, in its body's axes; `force` is reduced to it as well.
-inline void keep_forces(int bodies, const std::int32_t* first, const double* orientation, double share, int threads,
-                        double* force, double* body_force) {
+inline void keep_forces(int bodies, const std::int32_t* first, const double* orientation, double share,
+                        int threads, double* force, double* body_force) {
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
     for (int b = 0; b < bodies; ++b) {
         const Turn turn(orientation + 4 * b);
@@ -79,11 +83,11 @@ inline void sum_over_markers(int bodies, const std::int32_t* first, const double
     }
 }
 
-// The velocity of the fluid at the markers becomes its change to the body's rigid motion; force += change / dt. Of
-// each body, (bodies, 7): the impulse of the change, and the sum of its square.
+// The velocity of the fluid at the markers becomes its change to the body's rigid motion; force += change /
+// dt. Of each body, (bodies, 7): the impulse of the change, and the sum of its square.
 inline void rigid_change(int bodies, const std::int32_t* first, const double* arm, const double* volume,
-                         const double* velocity, const double* spin, double inverse_dt, int threads, double* change,
-                         double* force, double* out) {
+                         const double* velocity, const double* spin, double inverse_dt, int threads,
+                         double* change, double* force, double* out) {
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
     for (int b = 0; b < bodies; ++b) {
         const double *v = velocity + 3 * b, *o = spin + 3 * b;
@@ -91,7 +95,8 @@ inline void rigid_change(int bodies, const std::int32_t* first, const double* ar
         double squares = 0.0;
         for (int m = first[b]; m < first[b + 1]; ++m) {
             const double *r = arm + 3 * m, *u = change + 3 * m;
-            const double gained[3] = {v[0] + o[1] * r[2] - o[2] * r[1] - u[0], v[1] + o[2] * r[0] - o[0] * r[2] - u[1],
+            const double gained[3] = {v[0] + o[1] * r[2] - o[2] * r[1] - u[0],
+                                      v[1] + o[2] * r[0] - o[0] * r[2] - u[1],
                                       v[2] + o[0] * r[1] - o[1] * r[0] - u[2]};
             impulse.add(r, volume[m], gained);
             squares += gained[0] * gained[0] + gained[1] * gained[1] + gained[2] * gained[2];

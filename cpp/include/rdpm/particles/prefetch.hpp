@@ -1,5 +1,5 @@
-// What the next body will touch of the three velocity components, fetched while the present body is worked on: the
-// fields of many bodies do not fit in a core's cache, one body's part of them does.
+// What the next body will touch of the three velocity components, fetched while the present body is worked
+// on: the fields of many bodies do not fit in a core's cache, one body's part of them does.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -16,13 +16,15 @@ struct CellBox {
     std::int32_t lower[3], upper[3];
     // The most lines that `find_lines` gives for what is in reach of it.
     std::size_t most_lines(int reach) const {
-        const auto width = [&](int d) { return static_cast<std::size_t>(upper[d] - lower[d] + 1 + 2 * reach); };
+        const auto width = [&](int d) {
+            return static_cast<std::size_t>(upper[d] - lower[d] + 1 + 2 * reach);
+        };
         return width(2) * width(1) * (width(0) / 8 + 3);
     }
 };
 
-// Offsets in a field, no more than eight values apart along a row, of the points at most `reach` cells along each
-// direction from the ellipsoid in the box; returns their number.
+// Offsets in a field, no more than eight values apart along a row, of the points at most `reach` cells along
+// each direction from the ellipsoid in the box; returns their number.
 inline int find_lines(const Grid& g, const CellBox& box, int reach, std::int32_t* out) {
     float middle[3], axis[3];
     for (int d = 0; d < 3; ++d) {
@@ -46,17 +48,18 @@ inline int find_lines(const Grid& g, const CellBox& box, int reach, std::int32_t
             if (rest <= 0.0f) continue;
             const float half = axis[0] * std::sqrt(rest) + reach;
             const auto row = static_cast<std::int32_t>(plane + wrapped(1, j) * g.row());
-            const int begin = static_cast<int>(middle[0] - half), end = static_cast<int>(middle[0] + half) + 1;
+            const int begin = static_cast<int>(middle[0] - half),
+                      end = static_cast<int>(middle[0] + half) + 1;
             for (int i = begin; i < end + 8; i += 8) out[count++] = row + wrapped(0, std::min(i, end));
         }
     }
     return count;
 }
 
-// Fetches a little at each `advance`: in a burst the requests would wait for each other, and what follows for them.
-// Inlined always: a call that only fetches is removed as one without effect.
+// Fetches a little at each `advance`: in a burst the requests would wait for each other, and what follows for
+// them. Inlined always: a call that only fetches is removed as one without effect.
 class Prefetch {
-   public:
+  public:
     explicit Prefetch(const VelocityArrays& q) : u_(q.u), v_(q.v), w_(q.w) {}
 
     // Lines of the fields, in so many calls.
@@ -80,11 +83,12 @@ class Prefetch {
         if (at_ < at_end_) {
             __builtin_prefetch(at_, 0, 2);
             at_ += 8;
-            if (at_ >= at_end_) at_ = std::exchange(later_, nullptr), at_end_ = std::exchange(later_end_, nullptr);
+            if (at_ >= at_end_)
+                at_ = std::exchange(later_, nullptr), at_end_ = std::exchange(later_end_, nullptr);
         }
     }
 
-   private:
+  private:
     const double *u_, *v_, *w_;
     const std::int32_t *line_ = nullptr, *line_end_ = nullptr;
     int a_call_ = 1;
