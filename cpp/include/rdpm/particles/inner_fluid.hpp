@@ -131,7 +131,7 @@ inline void inner_motion(const Grid& g, const VelocityArrays& q, const StencilSe
                          const double* position, const double* radius, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
     const int bodies = set.bodies();
-#pragma omp parallel num_threads(g.threads) if (bodies > 1)
+#pragma omp parallel num_threads(g.threads) if (set.count() > few_markers)
     {
         Prefetch ahead(q);
         const int me = omp_get_thread_num(), team = omp_get_num_threads(),
