@@ -194,6 +194,48 @@ def test_marker_layer_is_one_cell_thick_and_turns_with_the_body() -> None:
     assert markers.volume.sum() == pytest.approx(shell, rel=1e-13)
 
 
+@settings(max_examples=12, deadline=None)
+@given(kinds, seeds)
+def test_many_bodies_give_what_each_gives_alone(boundary, seed: int) -> None:
+    """Bodies across sides included, in any order of heights, on one to three threads."""
+    rng = np.random.default_rng(seed)
+    size, cells, count = (1.0, 1.1, 1.2), (30, 33, 36), 12
+    diameter = rng.uniform(0.26, 0.36, count)
+    inside = 0.5 * diameter[:, None] + rng.uniform(size=(count, 3)) * (np.array(size) - diameter[:, None])
+    anywhere = rng.uniform(size=(count, 3)) * size
+    centres = np.where([kind == "periodic" for kind in boundary], anywhere, inside)
+    found = []
+    for threads in (1, 2, 3):
+        grid = Grid(size, cells, boundary, threads=threads)
+        bodies = Bodies(diameter, np.full(count, 1000.0), centres)
+        markers = MarkerSet(bodies, grid)
+        assert len(markers) > 2048  # or one thread would do it all
+        markers.place(bodies)
+        if threads == 1:
+            u = current(grid, [rng.normal(size=grid.shape) for _ in range(3)])
+            f = rng.normal(size=(len(markers), 3))
+        target = (grid.zeros(), grid.zeros(), grid.zeros())
+        markers.spread(target, f, 2.0)
+        inner = markers.inner_motion((u[0], u[1], u[2]), bodies, 0.5 * bodies.diameter)
+        found.append((markers.interpolate((u[0], u[1], u[2])).copy(), np.stack(target), inner))
+    for other in found[1:]:
+        for ours, theirs in zip(found[0], other, strict=True):
+            np.testing.assert_array_equal(ours, theirs)
+    alone, total = [], np.zeros_like(found[0][1])
+    for b in range(count):
+        body = Bodies(diameter[b : b + 1], np.array([1000.0]), centres[b : b + 1])
+        one = MarkerSet(body, grid)
+        one.place(body)
+        target = (grid.zeros(), grid.zeros(), grid.zeros())
+        one.spread(target, f[markers.body == b], 2.0)
+        total += np.stack(target)
+        alone.append(one.interpolate((u[0], u[1], u[2])).copy())
+        np.testing.assert_array_equal(one.inner_motion((u[0], u[1], u[2]), body, 0.5 * body.diameter)[0], inner[b])
+    np.testing.assert_array_equal(np.concatenate(alone), found[0][0])
+    # Cells that several bodies give to: sums of some ten terms of at most order ten, in another order.
+    np.testing.assert_allclose(total, found[0][1], rtol=0.0, atol=1e-13)
+
+
 def test_markers_close_to_another_surface_stand_back() -> None:
     h = 0.05
     grid = Grid((1.0, 1.0, 1.0), (20, 20, 20), ("wall", "periodic", "wall"))

@@ -101,3 +101,15 @@ def test_rows_carry_the_case_and_their_seconds(monkeypatch):
     assert row["case"] == "time-order"
     assert row["ok"] is True
     assert row["seconds"] >= 0.0
+
+
+def test_the_command_prints_the_table_of_the_documentation(monkeypatch, capsys):
+    rows = [Row("drag", 1.01, 1.0, 0.02, "N"), Row("error", 0.01, None, 0.02)]
+    monkeypatch.setitem(CASES, "time-order", (lambda quick, tell: iter(rows), True))
+    assert main(["validate", "time-order", "--markdown"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("| case | quantity |")
+    assert lines[2] == "| time-order | drag [N] | 1.01 | 1 | +1.00 % | 2.00 % | yes |"
+    assert lines[3] == "| time-order | error | 0.01 |  |  | at most 0.02 | yes |"
+    page = Path(__file__).parents[2] / "docs" / "validation.md"
+    assert lines[0] in page.read_text("utf-8").splitlines()

@@ -18,6 +18,7 @@ def validate(
     *names: str,
     quick: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
+    markdown: Annotated[bool, Parameter(negative="")] = False,
     figures: Path | None = None,
 ) -> int:
     """Run published cases against this build, as a table.
@@ -30,6 +31,8 @@ def validate(
         Coarser grids and fewer cases: some minutes on two cores.
     json : bool
         Print JSON.
+    markdown : bool
+        Print the table as it stands in the documentation.
     figures : Path, optional
         Draw the curves into this folder.
 
@@ -51,7 +54,7 @@ def validate(
         from rdpm.figures.validation import draw
     rows: list[dict[str, Any]] = []
     if not json:
-        print(_HEAD)
+        print(_MARKDOWN_HEAD if markdown else _HEAD)
     for item in run(names, quick, say):
         if isinstance(item, Chart):
             if figures is not None:
@@ -59,14 +62,14 @@ def validate(
             continue
         rows.append(item)
         if not json:
-            print(_line(item), flush=True)
+            print(_markdown_line(item) if markdown else _line(item), flush=True)
     outside = [row for row in rows if row["ok"] is False]
     if json:
         import json as writer
 
         machine = {"rdpm_version": rdpm.__version__, "quick": quick, "threads": available_threads(), "rows": rows}
         print(writer.dumps(machine, indent=2))
-    else:
+    elif not markdown:
         judged = sum(row["ok"] is not None for row in rows)
         print(f"{judged - len(outside)} of {judged} within their bands")
     return OUTSIDE if outside else 0
@@ -78,18 +81,33 @@ _HEAD = (
 )
 
 
-def _line(row: dict[str, Any]) -> str:
-    def percent(x: float | None) -> str:
-        return "" if x is None else f"{100.0 * x:.2f}"
+_MARKDOWN_HEAD = "| case | quantity | value | reference | difference | band | ok |\n|---|---|---|---|---|---|---|"
 
-    value = "nan" if row["value"] is None else f"{row['value']:.4g}"
-    reference = "" if row["reference"] is None else f"{row['reference']:.4g}"
+
+def _cells(row: dict[str, Any], percent: str, bound: str) -> list[str]:
+    """Quantity, value, reference, difference, band and verdict of a row, as they are printed."""
+    difference, band = row["difference"], row["band"]
     # Where the value itself is bounded, the band is not relative to anything.
-    is_bound = row["reference"] is None and row["band"] is not None
-    band = f"<{row['band']:.4g}" if is_bound else percent(row["band"])
-    ok = {True: "yes", False: "NO", None: "-"}[row["ok"]]
-    quantity = row["quantity"] + (f" [{row['unit']}]" if row["unit"] else "")
+    is_bound = row["reference"] is None and band is not None
+    shown_band = "" if band is None else f"{bound}{band:.4g}" if is_bound else f"{100.0 * band:.2f}{percent}"
+    sign = "+" if percent else ""
+    return [
+        row["quantity"] + (f" [{row['unit']}]" if row["unit"] else ""),
+        "nan" if row["value"] is None else f"{row['value']:.4g}",
+        "" if row["reference"] is None else f"{row['reference']:.4g}",
+        "" if difference is None else f"{100.0 * difference:{sign}.2f}{percent}",
+        shown_band,
+        {True: "yes", False: "NO", None: "-"}[row["ok"]],
+    ]
+
+
+def _markdown_line(row: dict[str, Any]) -> str:
+    return f"| {row['case']} | " + " | ".join(_cells(row, " %", "at most ")) + " |"
+
+
+def _line(row: dict[str, Any]) -> str:
+    quantity, value, reference, difference, band, ok = _cells(row, "", "<")
     return (
-        f"{row['case']:16} {quantity:58} {value:>10} {reference:>10} {percent(row['difference']):>7} {band:>7} {ok:>3} "
+        f"{row['case']:16} {quantity:58} {value:>10} {reference:>10} {difference:>7} {band:>7} {ok:>3} "
         f"{row['seconds']:>6.1f}  {row['source']}"
     )

@@ -7,8 +7,8 @@ import os
 __all__ = ["available_threads", "wait_passively"]
 
 
-#: Turns of the waiting loop before an idle thread sleeps: about a tenth of a millisecond, some times what waking it costs.
-SHORT_SPIN = 10_000
+#: Turns of the waiting loop before an idle thread sleeps: about a tenth of a millisecond, what waking it costs.
+SHORT_SPIN = 4_000
 
 
 def wait_passively() -> None:

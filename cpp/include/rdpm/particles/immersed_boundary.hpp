@@ -75,8 +75,8 @@ inline Four interpolate_inner(std::size_t row, std::size_t plane, const double* 
 }
 
 inline void add_up(const Four& u, const Four& v, const Four& w, double* out) {
-    typedef long long Lanes __attribute__((vector_size(32)));
-    const Four uv = __builtin_shuffle(u, v, Lanes{0, 4, 2, 6}) + __builtin_shuffle(u, v, Lanes{1, 5, 3, 7});
+    typedef std::int64_t Places __attribute__((vector_size(32)));
+    const Four uv = __builtin_shuffle(u, v, Places{0, 4, 2, 6}) + __builtin_shuffle(u, v, Places{1, 5, 3, 7});
     out[0] = uv[0] + uv[2];
     out[1] = uv[1] + uv[3];
     out[2] = (w[0] + w[1]) + w[2];

@@ -163,6 +163,7 @@ inline void measure_body(const Grid& g, const double* position, StencilSet& set,
             body.box.upper[d] = std::max(body.box.upper[d], nearest[d]);
         }
     }
+    if (body.begin == 0) body.box = {};
 }
 
 // Puts one body's inner markers into their order, and finds what they touch.
@@ -222,13 +223,16 @@ inline void place(const Grid& g, const double* position, StencilSet& set) {
     });
     set.body[bodies].begin = 0;
     std::int32_t inner = 0;
-    std::int64_t lines = 0;
+    std::int64_t lines = 0, room = 0;
     for (BodyMarkers& body : set.body) {
         body.first_line = body.last_line = lines;
-        if (body.begin > 0) lines += body.box.most_lines(stencil_reach);
+        if (body.begin > 0) {
+            lines += body.box.most_lines(stencil_reach);
+            room += body.box.most_lines(stencil_reach + 1);  // a body moves, and its box grows by a cell
+        }
         inner += std::exchange(body.begin, inner);
     }
-    if (static_cast<std::int64_t>(set.line.size()) < lines) set.line.resize(lines);
+    if (static_cast<std::int64_t>(set.line.size()) < lines) set.line.resize(room);
     set.inner.resize(inner);
     set.folded.resize(set.count() - inner);
     if (!set.folded.empty())

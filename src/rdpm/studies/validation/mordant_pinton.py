@@ -10,6 +10,7 @@ Reynolds number only.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rdpm.config.load import load_case
 from rdpm.setup import Simulation
@@ -18,12 +19,14 @@ from rdpm.studies.validation.result import Chart, Curve, Found, Row, Tell
 
 __all__ = ["mordant_pinton"]
 
+Floats = NDArray[np.float64]
+
 SOURCE = "Mordant & Pinton 2000"
 
 DIAMETER, GRAVITY, RATIO, REYNOLDS = 5e-4, 9.81, 2.56, 41.0
 
-#: Sides of the box [diameters]; the bead's way [diameters].
-BOX, WAY = (16.0, 16.0, 32.0), 25.0
+#: Width and height of the column, and the bead's way [diameters].
+WIDTH, HEIGHT, WAY = 16.0, 32.0, 25.0
 
 SPEED_BAND, TIME_BAND = 0.02, 0.05
 
@@ -105,9 +108,25 @@ def mordant_pinton(quick: bool, tell: Tell) -> Found:
     )
 
 
-def fall(across: int, viscosity: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] and falling speeds [m/s] of the bead at so many cells a diameter."""
-    size = [side * DIAMETER for side in BOX]
+def fall(across: int, viscosity: float, width: float = WIDTH) -> tuple[Floats, Floats]:
+    """Release the bead in a column.
+
+    Parameters
+    ----------
+    across : int
+        Cells a diameter.
+    viscosity : float, [m^2/s]
+        Kinematic.
+    width : float, [diameters]
+        Of the column.
+
+    Returns
+    -------
+    time : ndarray, (T,), [s]
+    speed : ndarray, (T,), [m/s]
+        Downwards.
+    """
+    size = [width * DIAMETER, width * DIAMETER, HEIGHT * DIAMETER]
     case = {
         "domain": {"size": size, "boundary": {"x": "free-slip", "y": "free-slip", "z": "free-slip"}},
         "fluid": {"density": 1000.0, "kinematic_viscosity": viscosity},
