@@ -66,10 +66,8 @@ class MarkerSet:
         self.full_volume = np.repeat(layer / np.array(counts, float), counts) if len(bodies) else np.zeros(0)
         self.volume = self.full_volume.copy()
         self.body = np.repeat(np.arange(len(bodies)), counts)
-        size = (len(self), 3)
-        self.arm, self.position, self.force = np.zeros(size), np.zeros(size), np.zeros(size)
-        self._body_force = np.zeros(size)
-        self._velocity = np.zeros(size)
+        # One allocation: many markers then lie in large pages.
+        self.arm, self.position, self.force, self._body_force, self._velocity = np.zeros((5, len(self), 3))
         self._layer_arm_square = depth**2
         self._stencils = _core.Markers(grid.core, self.first)
 

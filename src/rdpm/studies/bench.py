@@ -80,9 +80,9 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
     -------
     dict
         ``name, cells, threads, diffusion, bodies, steps, ns_per_cell_step, bytes_per_cell_step, memory_bytes_per_cell,
-        parts`` (share of the time by part [ns a cell and step]) and, with bodies, ``us_per_marker_pass``, a forcing
+        parts`` (time by part [ns a cell and step]) and, with bodies, ``us_per_marker_pass``, a forcing
         pass from the velocity of the fluid at a marker to its force on the fluid, and ``us_per_marker_step``, all
-        that bodies cost in a step. The median step counts.
+        that bodies cost in a step. Of each the median over the steps.
     """
     make, asked = CASES[name]
     threads = asked or available_threads()
@@ -90,21 +90,25 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
     for _ in range(WARM_UP):
         simulation.advance()
     watch = simulation.system.watch
-    for part in watch.seconds:
-        watch.seconds[part] = 0.0
     motion = simulation.system.motion
-    passes = motion.pass_seconds if motion else 0.0
-    seconds: list[float] = []
-    while len(seconds) < LEAST_STEPS or sum(seconds) < SECONDS:
+    whole: list[float] = []
+    parts: list[dict[str, float]] = []
+    while len(whole) < LEAST_STEPS or sum(whole) < SECONDS:
+        for part in watch.seconds:
+            watch.seconds[part] = 0.0
+        if motion is not None:
+            motion.pass_seconds = 0.0
         begin = time.perf_counter()
         simulation.advance()
-        seconds.append(time.perf_counter() - begin)
+        whole.append(time.perf_counter() - begin)
+        parts.append(watch.seconds | {"passes": motion.pass_seconds if motion else 0.0})
+    seconds = {part: float(np.median([step[part] for step in parts])) for part in parts[0]}
     fluid, markers = simulation.fluid, simulation.system.markers
     assert fluid is not None
     cells = int(np.prod(fluid.grid.cells))
-    median = float(np.median(seconds))
+    median = float(np.median(whole))
     bandwidth = bandwidth or triad_bandwidth(threads)
-    steps = len(seconds)
+    passes = seconds.pop("passes")
     result: dict[str, Any] = {
         "name": name,
         "cells": list(fluid.grid.cells),
@@ -112,16 +116,15 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
         "diffusion": "explicit" if fluid.is_explicit else "stabilised",
         "stages": simulation.plan.step.stages,
         "bodies": len(simulation.bodies),
-        "steps": steps,
+        "steps": len(whole),
         "ns_per_cell_step": 1e9 * median / cells,
         "bytes_per_cell_step": median / cells * bandwidth,
         "memory_bytes_per_cell": fluid.bytes / cells,
-        "parts": {part: 1e9 * total / steps / cells for part, total in watch.seconds.items()},
+        "parts": {part: 1e9 * of_step / cells for part, of_step in seconds.items()},
     }
-    if markers is not None and motion is not None and len(markers):
-        passes = motion.pass_seconds - passes
-        result["us_per_marker_pass"] = 1e6 * passes / steps / FORCING_PASSES / len(markers)
-        result["us_per_marker_step"] = 1e6 * watch.seconds["bodies"] / steps / len(markers)
+    if markers is not None and len(markers):
+        result["us_per_marker_pass"] = 1e6 * passes / FORCING_PASSES / len(markers)
+        result["us_per_marker_step"] = 1e6 * seconds["bodies"] / len(markers)
     return result
 
 
