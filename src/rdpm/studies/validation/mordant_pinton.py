@@ -50,7 +50,7 @@ def fitted_drag(reynolds: float) -> float:
     Examples
     --------
     >>> round(fitted_drag(41.0), 3)
-    1.769
+    1.768
     """
     (low, at_low), (high, at_high) = FITTED
     slope = np.log(at_high / at_low) / np.log(high / low)
