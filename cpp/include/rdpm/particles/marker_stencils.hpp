@@ -151,7 +151,7 @@ inline void measure_body(const Grid& g, const double* position, StencilSet& set,
     for (int d = 0; d < 3; ++d) body.box.lower[d] = INT32_MAX, body.box.upper[d] = INT32_MIN;
     for (int m = set.first[body.id]; m < set.first[body.id + 1]; ++m) {
         int nearest[3] = {};
-        double from_centre[3];
+        double from_centre[3] = {};
         const Place place = locate(g, cells_a_metre, position + 3 * m, nearest, from_centre);
         set.plane[m] = place == Place::folded    ? folded_marker
                        : place == Place::wrapped ? wrapped_marker
@@ -196,7 +196,7 @@ inline void order_body(const Grid& g, const double* position, StencilSet& set, i
         if (set.plane[m] == folded_marker) continue;
         const std::int32_t at = body.begin + begin[bucket(m) + 1]++;
         int nearest[3] = {};
-        double from_centre[3];
+        double from_centre[3] = {};
         locate(g, cells_a_metre, position + 3 * m, nearest, from_centre);
         const std::int32_t first = (nearest[2] - 1) * plane + (nearest[1] - 1) * row + nearest[0] - 1,
                            stride[3] = {1, row, plane};
