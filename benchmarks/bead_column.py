@@ -10,25 +10,21 @@ from __future__ import annotations
 
 import sys
 
-import numpy as np
-
-from rdpm.studies.validation.mordant_pinton import DIAMETER, GRAVITY, REYNOLDS, fall
+from rdpm.studies.validation.mordant_pinton import fall
 from rdpm.studies.validation.points import crossing
 
 #: Cells a diameter at which a column of so many diameters is run.
 GRIDS = {8: (8, 12, 16), 12: (8, 12), 16: (8, 12)}
-MEASURED = 1.0573  # final speed over sqrt(g d)
 
 
 def main() -> None:
     """Print one line a run."""
-    unit_speed, unit_time = np.sqrt(GRAVITY * DIAMETER), np.sqrt(DIAMETER / GRAVITY)
     print(f"{'width [d]':>9} {'cells/d':>8} {'speed / sqrt(g d)':>18} {'t95 / sqrt(d/g)':>16}")
     for width in [int(word) for word in sys.argv[1:]] or GRIDS:
         for across in GRIDS[width]:
-            t, u = fall(across, MEASURED * unit_speed * DIAMETER / REYNOLDS, width)
-            t95 = crossing(t, u, 0.95 * u[-1]) / unit_time
-            print(f"{width:>9} {across:>8} {u[-1] / unit_speed:>18.4f} {t95:>16.3f}", flush=True)
+            t, u = fall(across, width)
+            t95 = crossing(t, u, 0.95 * u[-1])
+            print(f"{width:>9} {across:>8} {u[-1]:>18.4f} {t95:>16.3f}", flush=True)
 
 
 if __name__ == "__main__":

@@ -216,7 +216,7 @@ def test_many_bodies_give_what_each_gives_alone(boundary, seed: int) -> None:
             f = rng.normal(size=(len(markers), 3))
         target = (grid.zeros(), grid.zeros(), grid.zeros())
         markers.spread(target, f, 2.0)
-        inner = markers.inner_motion((u[0], u[1], u[2]), bodies, 0.5 * bodies.diameter)
+        inner = markers.inner_motion((u[0], u[1], u[2]), bodies)
         found.append((markers.interpolate((u[0], u[1], u[2])).copy(), np.stack(target), inner))
     for other in found[1:]:
         for ours, theirs in zip(found[0], other, strict=True):
@@ -230,7 +230,7 @@ def test_many_bodies_give_what_each_gives_alone(boundary, seed: int) -> None:
         one.spread(target, f[markers.body == b], 2.0)
         total += np.stack(target)
         alone.append(one.interpolate((u[0], u[1], u[2])).copy())
-        np.testing.assert_array_equal(one.inner_motion((u[0], u[1], u[2]), body, 0.5 * body.diameter)[0], inner[b])
+        np.testing.assert_array_equal(one.inner_motion((u[0], u[1], u[2]), body)[0], inner[b])
     np.testing.assert_array_equal(np.concatenate(alone), found[0][0])
     # Cells that several bodies give to: sums of some ten terms of at most order ten, in another order.
     np.testing.assert_allclose(total, found[0][1], rtol=0.0, atol=1e-13)

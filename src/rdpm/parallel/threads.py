@@ -7,7 +7,7 @@ import os
 __all__ = ["available_threads", "wait_passively"]
 
 
-#: Turns of the waiting loop before an idle thread sleeps: about a tenth of a millisecond, what waking it costs.
+#: Turns of the waiting loop before an idle thread sleeps: about a tenth of a millisecond.
 SHORT_SPIN = 4_000
 
 
@@ -15,7 +15,7 @@ def wait_passively() -> None:
     """Have idle OpenMP threads sleep after a short spin, unless the user chose how they wait.
 
     Must run before the first use of the kernels. Threads that spin on a busy machine slow each other many times over;
-    threads that sleep at once are woken late, and a step of a small grid costs nearly a tenth more.
+    threads that sleep at once are woken late, several times in every step.
 
     Examples
     --------

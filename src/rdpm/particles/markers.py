@@ -109,10 +109,10 @@ class MarkerSet:
         """Add factor * values, (M, 3), to a staggered field: the adjoint of `interpolate`."""
         self._stencils.spread(self.grid.core, *target, values, self.volume, factor)
 
-    def inner_motion(self, velocity: tuple[Floats, Floats, Floats], bodies: Bodies, radius: Floats) -> Floats:
-        """Mean velocity and spin, (N, 6) [m/s], [rad/s], of the fluid within a radius (N,) [m] of each centre."""
+    def inner_motion(self, velocity: tuple[Floats, Floats, Floats], bodies: Bodies) -> Floats:
+        """Mean velocity and spin of the fluid inside each body, (N, 6) [m/s], [rad/s]."""
         out = np.empty((len(bodies), 6))
-        self._stencils.inner_motion(self.grid.core, *velocity, bodies.position, radius, out)
+        self._stencils.inner_motion(self.grid.core, *velocity, bodies.position, 0.5 * bodies.diameter, out)
         return out
 
     def sums(self, values: Floats) -> Floats:

@@ -85,7 +85,6 @@ class RigidMotion:
         self.fluid_mass = fluid.density * np.pi / 6.0 * bodies.diameter**3
         self.fluid_moment = 0.1 * self.fluid_mass * bodies.diameter**2
         self.weight = (bodies.mass - self.fluid_mass)[:, None] * gravity
-        self.radius = 0.5 * bodies.diameter
         self.inner = np.zeros((n, 6))  # momentum and spin of the inner fluid after the last projection
         self.missed = np.zeros((n, 6))  # inner momentum that beta did not foresee in the last step
         self.hydrodynamic_force, self.hydrodynamic_torque = np.zeros((n, 3)), np.zeros((n, 3))
@@ -123,7 +122,7 @@ class RigidMotion:
 
     def inner_momentum(self) -> Floats:
         """Momentum and angular momentum of the fluid inside each body, (N, 6) [kg m/s], [kg m^2/s]."""
-        out = self.markers.inner_motion(self.fluid.velocity, self.bodies, self.radius)
+        out = self.markers.inner_motion(self.fluid.velocity, self.bodies)
         out[:, :3] *= self.fluid_mass[:, None]
         out[:, 3:] *= self.fluid_moment[:, None]
         return out

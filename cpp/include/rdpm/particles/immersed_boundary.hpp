@@ -130,7 +130,7 @@ inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet
                 }
             }
             const InnerMarker* marker = set.inner.data() + begin;
-            const int count = std::min({Weights::most, others - begin, set.body[b + 1].begin - begin});
+            const int count = std::min({most_weights, others - begin, set.body[b + 1].begin - begin});
             Weights weights;
             weights.find(set, begin);
             const int inside = std::clamp(set.body[b].wrapped - begin, 0, count);
@@ -171,7 +171,7 @@ inline void spread_folded(const Grid& g, double* q, const FoldedStencils& s, int
     }
 }
 
-// `lowest`: plane of the first of the marker's points.
+// What a marker away from the sides gives; `bounded`: to the planes [first, last) only.
 template <int component, bool bounded>
 inline void spread_inner(std::size_t row, std::size_t plane, double* q, const InnerMarker& m,
                          const Weights& weights, int n, double strength, int first, int last) {
@@ -232,8 +232,8 @@ struct Run {
 // one above it are a marker's.
 struct Reach {
     int first, last;
-    long whole[2],
-        part[2];  // of `InnerMarker::at[0]`, where the planes hold all a marker gives, or some of it
+    // Of `InnerMarker::at[0]`: where the planes hold all that a marker gives, or some of it.
+    long whole[2], part[2];
 
     Reach(const Grid& g, int first, int last) : first(first), last(last) {
         // The first point lies in the plane before that of the nearest centre.
@@ -272,9 +272,9 @@ inline void spread_run(const Grid& g, const VelocityArrays& q, const StencilSet&
                        Run run, const Reach& reach, Prefetch& ahead) {
     const std::size_t row = g.row(), plane = g.plane();
     const int first = reach.first, last = reach.last;
-    for (int begin = run.begin; begin < run.end; begin += Weights::most) {
+    for (int begin = run.begin; begin < run.end; begin += most_weights) {
         const InnerMarker* marker = set.inner.data() + begin;
-        const int count = std::min(Weights::most, run.end - begin),
+        const int count = std::min(most_weights, run.end - begin),
                   inside = std::clamp(run.wrapped - begin, 0, count);
         Weights weights;
         weights.find(set, begin);

@@ -27,10 +27,9 @@ struct FoldedStencils {
     const Stencil& along(int d, int component) const { return d == component ? face_of[d] : centre_of[d]; }
 };
 
+// `at`: offset of each component's first of 27 points; the nearest centre where points are wrapped.
 struct InnerMarker {
-    std::int32_t
-        at[3];  // offset of each component's first of 27 points; the nearest centre where points are wrapped
-    std::int32_t marker;
+    std::int32_t at[3], marker;
 };
 
 // The inner markers of one body: where they and those whose points are wrapped begin in `StencilSet::inner`,
@@ -47,15 +46,15 @@ constexpr int stencil_reach = 2;
 // So few are worked on by one thread: a second would have to be woken, and fetch from the first one's cache.
 constexpr int few_markers = 2048;
 
-// Of how many inner markers weights are found at a time.
+// Of so many inner markers weights are found at a time.
 constexpr int most_weights = 16;
 
 // In place of the plane, of markers beside a side.
 constexpr std::int32_t folded_marker = INT32_MIN, wrapped_marker = INT32_MAX;
 
 struct StencilSet {
-    std::vector<InnerMarker>
-        inner;  // body after body from bottom to top, within a body by plane, wrapped ones last
+    // Body after body from bottom to top, within a body by plane, wrapped ones last.
+    std::vector<InnerMarker> inner;
     std::vector<double> from_centre[3];  // of each of these, -0.5 to 0.5 [cells]
     std::vector<FoldedStencils> folded;
     std::vector<std::int32_t> first;     // markers first[b] to first[b + 1] belong to body b
@@ -85,30 +84,29 @@ typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));
 
 // Weights of a few inner markers at a time: at centres, and on faces.
 struct Weights {
-    static constexpr int most = most_weights;
-    Four x[2][most];
-    double y[2][3][most], z[2][3][most];  // low, middle, high
+    Four x[2][most_weights];
+    double y[2][3][most_weights], z[2][3][most_weights];  // low, middle, high
 
     void find(const StencilSet& set, int begin) {
-        double along_x[2][3][most];
+        double along_x[2][3][most_weights];
         find_along(set.from_centre[0].data() + begin, along_x);
         find_along(set.from_centre[1].data() + begin, y);
         find_along(set.from_centre[2].data() + begin, z);
         for (int at = 0; at < 2; ++at)
-            for (int n = 0; n < most; ++n)
+            for (int n = 0; n < most_weights; ++n)
                 x[at][n] = Four{along_x[at][0][n], along_x[at][1][n], along_x[at][2][n], 0.0};
     }
 
   private:
-    static void find_along(const double* from_centre, double (*out)[3][most]) {
+    static void find_along(const double* from_centre, double (*out)[3][most_weights]) {
 #pragma omp simd
-        for (int n = 0; n < most; ++n) {
+        for (int n = 0; n < most_weights; ++n) {
             const double r = from_centre[n];
             weigh(r, out[0], n);
             weigh(r - std::copysign(0.5, r), out[1], n);
         }
     }
-    static void weigh(double r, double (*out)[most], int n) {
+    static void weigh(double r, double (*out)[most_weights], int n) {
         const double m = (1.0 + std::sqrt(1.0 - 3.0 * r * r)) * (1.0 / 3.0);
         out[0][n] = 0.5 * (1.0 - m - r);
         out[1][n] = m;

@@ -57,17 +57,20 @@ def fitted_drag(reynolds: float) -> float:
     return float(at_low * (reynolds / low) ** slope)
 
 
+def measured() -> tuple[Floats, Floats, float]:
+    """Times over sqrt(d/g), falling speeds over sqrt(g d), and the final one of these, as published."""
+    time, speed = points("mordant_pinton_2000", "time_over_sqrt_d_g", "speed_over_sqrt_g_d")
+    return time, speed, float(speed[time > 40.0].mean())
+
+
 def mordant_pinton(quick: bool, tell: Tell) -> Found:
     """Final speed, the drag coefficient there, and the time to 95 % of it."""
-    time, speed = points("mordant_pinton_2000", "time_over_sqrt_d_g", "speed_over_sqrt_g_d")
-    final = float(speed[time > 40.0].mean())
+    time, speed, final = measured()
     t95 = crossing(time, speed, 0.95 * final)
-    unit_speed, unit_time = float(np.sqrt(GRAVITY * DIAMETER)), float(np.sqrt(DIAMETER / GRAVITY))
     curves = [Curve("measured", time[time < 30.0], speed[time < 30.0], True)]
     for across in (8,) if quick else (8, 12):
         tell(f"{across} cells a diameter")
-        t, u = fall(across, final * unit_speed * DIAMETER / REYNOLDS)
-        t, u = t / unit_time, u / unit_speed
+        t, u = fall(across)
         end = float(u[-1])
         reynolds = REYNOLDS * end / final
         is_judged = across == 12 or quick
@@ -108,24 +111,24 @@ def mordant_pinton(quick: bool, tell: Tell) -> Found:
     )
 
 
-def fall(across: int, viscosity: float, width: float = WIDTH) -> tuple[Floats, Floats]:
+def fall(across: int, width: float = WIDTH) -> tuple[Floats, Floats]:
     """Release the bead in a column.
 
     Parameters
     ----------
     across : int
         Cells a diameter.
-    viscosity : float, [m^2/s]
-        Kinematic.
     width : float, [diameters]
         Of the column.
 
     Returns
     -------
-    time : ndarray, (T,), [s]
-    speed : ndarray, (T,), [m/s]
+    time : ndarray, (T,), [sqrt(d/g)]
+    speed : ndarray, (T,), [sqrt(g d)]
         Downwards.
     """
+    unit_speed, unit_time = np.sqrt(GRAVITY * DIAMETER), np.sqrt(DIAMETER / GRAVITY)
+    viscosity = float(measured()[2] * unit_speed * DIAMETER / REYNOLDS)
     size = [width * DIAMETER, width * DIAMETER, HEIGHT * DIAMETER]
     case = {
         "domain": {"size": size, "boundary": {"x": "free-slip", "y": "free-slip", "z": "free-slip"}},
@@ -145,6 +148,6 @@ def fall(across: int, viscosity: float, width: float = WIDTH) -> tuple[Floats, F
     rows = []
     while simulation.bodies.position[0, 2] > size[2] - (3.0 + WAY) * DIAMETER:
         simulation.advance()
-        rows.append((simulation.time, -simulation.bodies.velocity[0, 2]))
+        rows.append((simulation.time / unit_time, -simulation.bodies.velocity[0, 2] / unit_speed))
     t, u = np.array(rows).T
     return t, u
