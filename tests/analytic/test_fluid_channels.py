@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rdpm
-from rdpm.fluid import Fluid, stages_for
+from rdpm.fluid import Fluid
 from rdpm.fluid.diffusion import explicit_limit
 from rdpm.grid import Grid
 
@@ -31,7 +31,7 @@ def channel(normal: int, n: int, across: str, is_explicit: bool, viscosity: floa
 
 def advance(fluid: Fluid, dt: float, steps: int, force: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
     for _ in range(steps):
-        fluid.predict(dt, stages_for(dt, fluid.grid.spacing, fluid.viscosity), force)
+        fluid.predict(dt, force)
         fluid.project(dt)
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from rdpm.fluid import Fluid, stages_for
+from rdpm.fluid import Fluid
 from rdpm.fluid.diffusion import explicit_limit
 from rdpm.grid import Grid
 
@@ -27,7 +27,7 @@ LEAST_SLOPE = 1.9
 
 def advance(fluid: Fluid, dt: float, steps: int, force: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
     for _ in range(steps):
-        fluid.predict(dt, stages_for(dt, fluid.grid.spacing, fluid.viscosity), force)
+        fluid.predict(dt, force)
         fluid.project(dt)
 
 
@@ -35,7 +35,7 @@ def advance_unevenly(fluid: Fluid, mean: float, steps: int) -> None:
     """An even number of steps, each twice or half as long as the one before."""
     for step in range(steps):
         dt = mean * (2.0 if step % 2 else 4.0) / 3.0
-        fluid.predict(dt, stages_for(dt, fluid.grid.spacing, fluid.viscosity), (0.0, 0.0, 0.0))
+        fluid.predict(dt, (0.0, 0.0, 0.0))
         fluid.project(dt)
 
 

@@ -119,7 +119,7 @@ def test_a_sphere_comes_to_rest_on_the_floor_and_the_floor_bears_it(lubrication:
 
     sim.on_step(follow)
     sim.run(until=1.25)
-    weight = -sim.system.motion.weight[0, 2]
+    weight = -sim.system.immersed.motion.weight[0, 2]
     assert max(last) < 1e-4  # of 0.07 m/s on the way
     # The contact takes over weight less buoyancy as the squeezed fluid comes to rest: 0.5 % was left.
     assert impulse[2] / sim.dt / len(last) == pytest.approx(weight, rel=0.01)
@@ -165,9 +165,9 @@ def test_momentum_is_kept_through_a_collision() -> None:
     inner = (slice(1, -1),) * 3
 
     def momentum() -> np.ndarray:
-        fluid, bodies, motion = sim.fluid, sim.bodies, sim.system.motion
+        fluid, bodies, motion = sim.fluid, sim.bodies, sim.system.immersed.motion
         flow = fluid.density * np.prod(fluid.grid.spacing) * np.array([q[inner].sum() for q in fluid.velocity])
-        return bodies.mass @ bodies.velocity + flow - (motion.inner - motion.missed)[:, :3].sum(axis=0)
+        return bodies.mass @ bodies.velocity + flow - (motion.interior - motion.residual)[:, :3].sum(axis=0)
 
     start = momentum()
     sim.run(until=0.15)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import rdpm
-from rdpm.particles.rigid_motion import KEPT_FROM
+from rdpm.particles.calibration import CALIBRATION
 
 D = 0.015
 FLUID_DENSITY, VISCOSITY = 962.0, 0.113
@@ -46,11 +46,11 @@ def simulation(
 
 def total_momentum(sim: rdpm.Simulation) -> np.ndarray:
     """Of the bodies and the fluid outside them, and what the last step still owes the bodies."""
-    fluid, bodies, motion = sim.fluid, sim.bodies, sim.system.motion
+    fluid, bodies, motion = sim.fluid, sim.bodies, sim.system.immersed.motion
     inner = (slice(1, -1),) * 3
     cell = float(np.prod(fluid.grid.spacing))
     flow = fluid.density * cell * np.array([q[inner].sum() for q in fluid.velocity])
-    return bodies.mass @ bodies.velocity + flow - (motion.inner - motion.missed)[:, :3].sum(axis=0)
+    return bodies.mass @ bodies.velocity + flow - (motion.interior - motion.residual)[:, :3].sum(axis=0)
 
 
 @pytest.mark.parametrize("diffusion", ["explicit", "stabilised"])
@@ -61,13 +61,13 @@ def test_momentum_of_fluid_and_bodies_grows_by_weight_less_buoyancy(ratio: float
         centers=((0.03, 0.03, 0.06), (0.035, 0.028, 0.03)),
         velocity=[0.02, 0.01, 0.0], angular_velocity=[1.0, 2.0, 3.0],
     )  # fmt: skip
-    start, weight = total_momentum(sim), sim.system.motion.weight.sum(axis=0)
+    start, weight = total_momentum(sim), sim.system.immersed.motion.weight.sum(axis=0)
     sim.run(until=0.02)
     scale = float(np.abs(sim.bodies.mass @ sim.bodies.velocity).max())
     # Round-off of some 1e4 cells and 1e2 steps.
     np.testing.assert_allclose(total_momentum(sim) - start, weight * sim.time, rtol=0.0, atol=1e-11 * scale)
     # What the inner share did not foresee waits one step: 1.7e-4 of the bodies' momentum at most was measured.
-    owed = np.abs(sim.system.motion.missed[:, :3].sum(axis=0)).max()
+    owed = np.abs(sim.system.immersed.motion.residual[:, :3].sum(axis=0)).max()
     assert owed < 1e-3 * scale
 
 
@@ -190,7 +190,7 @@ def test_prescribed_velocity_is_followed_exactly_and_the_force_on_the_body_repor
     sim.run(until=0.05)
     np.testing.assert_allclose(sim.bodies.position[0], [0.0305, 0.03, 0.0575], rtol=1e-12)
     # Resisted: against the motion, above Stokes' drag 3 pi mu d U, as walls and inertia add.
-    drag = sim.system.motion.hydrodynamic_force[0]
+    drag = sim.system.immersed.hydrodynamic_force[0]
     stokes = 3.0 * np.pi * VISCOSITY * D * 0.05
     assert 1.0 < drag[2] / stokes < 5.0
     assert drag[0] < 0.0
@@ -213,7 +213,7 @@ def test_a_fixed_sphere_turns_a_stream() -> None:
     # All of the box is driven, the body's volume included. The flow settles as exp(-t / 75 ms), the kept forces
     # with the slip, more slowly: 1.2e-4 of the force is left.
     on_box = 1000.0 * 0.5 * 0.03**3
-    force = sim.system.motion.given_force[0]
+    force = sim.system.immersed.applied_force[0]
     np.testing.assert_allclose(force, [0.0, 0.0, -on_box], rtol=0.0, atol=5e-4 * on_box)
 
 
@@ -245,6 +245,6 @@ def test_box_shifted_over_a_periodic_side_gives_the_same_motion() -> None:
 def test_slip_that_is_left_is_small() -> None:
     sim = simulation(end=0.2)
     sim.run(until=0.2)
-    # What is not kept leaves a slip of order KEPT_FROM of the speed where the boundary layer is a cell thick; each of
-    # the two passes before the last, whose change is reported, halves it.
-    assert sim.system.motion.slip < KEPT_FROM / 4 * np.abs(sim.bodies.velocity).max()
+    # The unretained part leaves a slip of order `relaxation_number` of the speed where the boundary layer is a cell
+    # thick; each of the two passes before the last, whose change is reported, halves it.
+    assert sim.system.immersed.slip < CALIBRATION.relaxation_number / 4 * np.abs(sim.bodies.velocity).max()

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from rdpm import _core
 from rdpm.grid import BOUNDARIES, Grid
-from rdpm.particles.markers import RETRACTION, STAND_BACK, MarkerSet
+from rdpm.particles.calibration import CALIBRATION
+from rdpm.particles.markers import MarkerSet
 from rdpm.particles.seeding import marker_count, sphere_points
 from rdpm.particles.state import Bodies
 
@@ -184,11 +185,11 @@ def test_marker_layer_is_one_cell_thick_and_turns_with_the_body() -> None:
     markers = MarkerSet(bodies, grid)
     bodies.orientation[0] = np.array([1.0, 0.0, 0.0, 1.0]) / np.sqrt(2.0)  # a quarter turn about z
     markers.force[:] = [1.0, 0.0, 0.0]
-    markers.keep_force(bodies, 0.5)
+    markers.store_force(bodies.orientation, 0.5)
     bodies.orientation[0] = [1.0, 0.0, 0.0, 0.0]
-    markers.place(bodies)
+    markers.place(bodies.position, bodies.orientation)
     np.testing.assert_allclose(markers.force, np.tile([0.0, -0.5, 0.0], (len(markers), 1)), atol=1e-15)
-    depth = 0.2 - RETRACTION * 0.05
+    depth = 0.2 - CALIBRATION.marker_retraction * 0.05
     np.testing.assert_allclose(np.linalg.norm(markers.position - 0.5, axis=1), depth, atol=1e-15)
     shell = 4.0 / 3.0 * np.pi * ((depth + 0.025) ** 3 - (depth - 0.025) ** 3)
     assert markers.volume.sum() == pytest.approx(shell, rel=1e-13)
@@ -210,13 +211,13 @@ def test_many_bodies_give_what_each_gives_alone(boundary, seed: int) -> None:
         bodies = Bodies(diameter, np.full(count, 1000.0), centres)
         markers = MarkerSet(bodies, grid)
         assert len(markers) > 2048  # or one thread would do it all
-        markers.place(bodies)
+        markers.place(bodies.position, bodies.orientation)
         if threads == 1:
             u = current(grid, [rng.normal(size=grid.shape) for _ in range(3)])
             f = rng.normal(size=(len(markers), 3))
         target = (grid.zeros(), grid.zeros(), grid.zeros())
         markers.spread(target, f, 2.0)
-        inner = markers.inner_motion((u[0], u[1], u[2]), bodies)
+        inner = markers.interior_motion((u[0], u[1], u[2]), bodies)
         found.append((markers.interpolate((u[0], u[1], u[2])).copy(), np.stack(target), inner))
     for other in found[1:]:
         for ours, theirs in zip(found[0], other, strict=True):
@@ -225,35 +226,35 @@ def test_many_bodies_give_what_each_gives_alone(boundary, seed: int) -> None:
     for b in range(count):
         body = Bodies(diameter[b : b + 1], np.array([1000.0]), centres[b : b + 1])
         one = MarkerSet(body, grid)
-        one.place(body)
+        one.place(body.position, body.orientation)
         target = (grid.zeros(), grid.zeros(), grid.zeros())
         one.spread(target, f[markers.body == b], 2.0)
         total += np.stack(target)
         alone.append(one.interpolate((u[0], u[1], u[2])).copy())
-        np.testing.assert_array_equal(one.inner_motion((u[0], u[1], u[2]), body)[0], inner[b])
+        np.testing.assert_array_equal(one.interior_motion((u[0], u[1], u[2]), body)[0], inner[b])
     np.testing.assert_array_equal(np.concatenate(alone), found[0][0])
     # Cells that several bodies give to: sums of some ten terms of at most order ten, in another order.
     np.testing.assert_allclose(total, found[0][1], rtol=0.0, atol=1e-13)
 
 
-def test_markers_close_to_another_surface_stand_back() -> None:
+def test_markers_close_to_another_surface_are_excluded() -> None:
     h = 0.05
     grid = Grid((1.0, 1.0, 1.0), (20, 20, 20), ("wall", "periodic", "wall"))
     bodies = Bodies([0.3, 0.3], [1000.0] * 2, [[0.12, 0.02, 0.5], [0.36, 0.98, 0.5]])  # neighbours across the seam
     markers = MarkerSet(bodies, grid)
-    markers.place(bodies)
-    markers.stand_back(bodies, np.array([[0, 1], [0, -1], [0, -3]], np.int32), 0.2)
+    markers.place(bodies.position, bodies.orientation)
+    markers.exclude(bodies, np.array([[0, 1], [0, -1], [0, -3]], np.int32), 0.2)
     away = markers.position - bodies.position[[1, 0]][markers.body]
     away[:, 1] -= np.round(away[:, 1])
     gap = np.linalg.norm(away, axis=1) - 0.15
     gap = np.where(markers.body == 0, np.minimum(gap, markers.position[:, 0]), gap)  # y has no solid sides
-    near, far = STAND_BACK
+    near, far = CALIBRATION.exclusion_near, CALIBRATION.exclusion_far
     share = 0.2 + 0.8 * np.clip((gap / h - near) / (far - near), 0.0, 1.0)
     expected = markers.full_volume * share * np.clip(1.0 + gap / h, 0.0, 1.0)
     np.testing.assert_allclose(markers.volume, expected, rtol=1e-12, atol=1e-15)
     assert (markers.volume < 0.2 * markers.full_volume).any()
     assert (markers.volume == markers.full_volume).any()
-    markers.stand_back(bodies, np.zeros((0, 2), np.int32), 0.2)
+    markers.exclude(bodies, np.zeros((0, 2), np.int32), 0.2)
     np.testing.assert_array_equal(markers.volume, markers.full_volume)
 
 
@@ -261,8 +262,8 @@ def test_layer_matrix_is_the_sums_of_a_rigid_motion() -> None:
     grid = Grid((1.0, 1.0, 1.0), (20, 20, 20), ("wall", "wall", "wall"))
     bodies = Bodies([0.3, 0.4], [1000.0] * 2, [[0.16, 0.5, 0.5], [0.53, 0.5, 0.5]])
     markers = MarkerSet(bodies, grid)
-    markers.place(bodies)
-    markers.stand_back(bodies, np.array([[0, 1], [0, -1]], np.int32), 0.1)
+    markers.place(bodies.position, bodies.orientation)
+    markers.exclude(bodies, np.array([[0, 1], [0, -1]], np.int32), 0.1)
     motion = np.random.default_rng(3).normal(size=(2, 6))
     turned = np.cross(motion[markers.body, 3:], markers.arm)
     sums = markers.sums(motion[markers.body, :3] + turned)

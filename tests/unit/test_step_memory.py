@@ -14,7 +14,7 @@ import rdpm
 
 simulation = rdpm.Simulation(rdpm.load_case({case!r}), 2)
 plane = simulation.fluid.u[0].nbytes
-assert 8 * len(simulation.system.markers) > plane
+assert 8 * len(simulation.system.immersed.markers) > plane
 # From now on what is half a plane long is a mapping of its own, whose pages are met as faults: nothing is trimmed from
 # the heap, and its free pieces of that length are taken out.
 assert libc.mallopt(MMAP_THRESHOLD, plane // 2) and libc.mallopt(TRIM_THRESHOLD, 1 << 30)
@@ -73,4 +73,4 @@ def test_a_step_after_the_first_takes_no_plane_of_memory(diffusion: str, side: s
 
 @linux
 def test_an_array_of_the_markers_in_every_step_would_be_seen() -> None:
-    assert planes_taken("explicit", "periodic", "simulation.system.markers.force * 1.0") > STEPS
+    assert planes_taken("explicit", "periodic", "simulation.system.immersed.markers.force * 1.0") > STEPS

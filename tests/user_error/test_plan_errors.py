@@ -113,7 +113,7 @@ def test_memory_is_foreseen() -> None:
         sim = rdpm.Simulation(made, threads=1)
         sim.run(until=1e-3)
         fields = sim.fluid.bytes
-        markers = scales.BYTES_PER_MARKER * len(sim.system.markers)
+        markers = scales.BYTES_PER_MARKER * len(sim.system.immersed.markers)
         # The estimate covers the buffers of a few threads: up to a fifth more than one thread takes of a small grid.
         assert 0.0 <= (sim.plan.memory - markers) / fields - 1.0 < 0.2
 

@@ -9,7 +9,8 @@ import pytest
 
 from rdpm.cli.main import main
 from rdpm.figures.validation import draw
-from rdpm.setup.build import PAIR_FILM, WALL_FILM, film_model
+from rdpm.particles.calibration import CALIBRATION
+from rdpm.setup.build import lubrication_correction
 from rdpm.studies.validation import CASES, Chart, Curve, Row, validate
 from rdpm.studies.validation.basset import basset_speed
 from rdpm.studies.validation.near_contact import film, resolved_resistance
@@ -55,8 +56,11 @@ def test_peaks_are_the_tops_of_the_measured_bounces():
     np.testing.assert_allclose(found, [7.466e-3, 2.234e-3, 0.520e-3], rtol=2e-3)
 
 
-@pytest.mark.parametrize(("pair", "reach"), [("wall", WALL_FILM), ("spheres", PAIR_FILM)])
-def test_the_film_is_what_the_grid_misses(pair, reach):
+@pytest.mark.parametrize(
+    ("pair", "activation"),
+    [("wall", CALIBRATION.wall_activation_gap), ("spheres", CALIBRATION.pair_activation_gap)],
+)
+def test_lubrication_is_what_the_grid_misses(pair, activation):
     """Resolved and modelled resistance together, at 8 cells a diameter, from a tenth of the radius down."""
     gap, exact = points("approach_stokes", "gap_over_a", "resistance", pair=pair)
     gaps = (1.0, 0.2, 0.1, 0.05, 0.02, 0.01)
@@ -66,7 +70,8 @@ def test_the_film_is_what_the_grid_misses(pair, reach):
     np.testing.assert_allclose(both[2:], reference[2:], rtol=0.10)  # the band of the published case at 16 cells
     assert np.all(resolved[3:] < 0.95 * reference[3:])  # there is something to add
     other = np.inf if pair == "wall" else 4.0
-    assert film_model(1.0, 1.0).reach(np.array([4.0]), np.array([other]))[0][0] == reach[0]  # 8 cells a diameter
+    model = lubrication_correction(1.0, 1.0)
+    assert model.reach(np.array([4.0]), np.array([other]))[0][0] == activation  # 8 cells a diameter
 
 
 def test_a_chart_becomes_a_picture(tmp_path):

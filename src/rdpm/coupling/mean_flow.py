@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm.particles.rigid_motion import RigidMotion
-
 __all__ = ["MeanFlow"]
 
 
@@ -43,15 +41,20 @@ class MeanFlow:
         """Take over what `state` gave."""
         np.copyto(self.mean_velocity, state["mean_velocity"])
 
-    def force(self, dt: float, motion: RigidMotion | None) -> tuple[float, float, float]:
-        """For the coming step, [m/s^2]: balances the force of the last step and what it left of the mean flow."""
+    def begin(self, dt: float, force_on_fluid: NDArray[np.float64]) -> tuple[float, float, float]:
+        """Uniform force a unit mass for the coming step, [m/s^2].
+
+        Parameters
+        ----------
+        dt : float, [s]
+        force_on_fluid : ndarray, (3,), [N]
+            Of all bodies, over the last step: it is balanced, and what it left of the mean flow.
+        """
         total = self.given
         if self.is_zero_mean:
-            on_fluid = motion.given_force.sum(axis=0) if motion else np.zeros(3)
-            total = total - on_fluid / self.fluid_mass - self.mean_velocity / dt
+            total = total - force_on_fluid / self.fluid_mass - self.mean_velocity / dt
         return float(total[0]), float(total[1]), float(total[2])
 
-    def advance(self, dt: float, force: tuple[float, float, float], motion: RigidMotion | None) -> None:
+    def end(self, dt: float, uniform: tuple[float, float, float], force_on_fluid: NDArray[np.float64]) -> None:
         """Follow the mean velocity: advection and diffusion keep it in a periodic box."""
-        on_fluid = motion.given_force.sum(axis=0) if motion else np.zeros(3)
-        self.mean_velocity += dt * (np.array(force) + on_fluid / self.fluid_mass)
+        self.mean_velocity += dt * (np.array(uniform) + force_on_fluid / self.fluid_mass)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rdpm import _core
+from rdpm.fluid.diffusion import stages_for
 from rdpm.grid import Grid
 
 __all__ = ["Fluid"]
@@ -25,8 +26,7 @@ class Fluid:
     ----------
     grid : Grid
     density : float, [kg/m^3]
-    viscosity : float, [m^2/s]
-        Kinematic.
+    kinematic_viscosity : float, [m^2/s]
     is_explicit : bool
         Diffusion explicit (Adams-Bashforth 2), or by stabilised stages.
 
@@ -42,7 +42,7 @@ class Fluid:
 
     grid: Grid
     density: float
-    viscosity: float
+    kinematic_viscosity: float
     is_explicit: bool = True
     u: Field = field(init=False)
     v: Field = field(init=False)
@@ -92,40 +92,39 @@ class Fluid:
         ratio = 0.5 * dt / self._last_dt
         return 1.0 + ratio, ratio
 
-    def predict(self, dt: float, stages: int, force: tuple[float, float, float]) -> None:
+    def predict(self, dt: float, force: tuple[float, float, float], stages: int | None = None) -> None:
         """Change u, v, w to the velocity before projection; the tendencies are stored for the next step.
 
         Parameters
         ----------
         dt : float, [s]
-        stages : int
-            Of the stabilised scheme; not used by explicit diffusion.
         force : tuple of float, (3,), [m/s^2]
             Uniform, a unit mass.
+        stages : int, optional
+            Of the stabilised scheme; as many as the step needs when left out.
 
         Notes
         -----
         On return only inner faces hold the prediction; halos and faces on walls are set by `project`.
         """
         now, then = self.weights(dt)
-        core, (u, v, w) = self.grid.core, self.velocity
+        core, (u, v, w), nu = self.grid.core, self.velocity, self.kinematic_viscosity
+        stages = stages or stages_for(dt, self.grid.spacing, nu)
         planes = 9 if self.is_explicit else 3 * max(stages - 2, 1)
         size = planes * u[0].size * self.grid.threads
         if self._scratch.size < size:
             self._scratch = np.zeros(size)
         if self.is_explicit:
-            _core.momentum_explicit(
-                core, u, v, w, *self.tendency, self.p, dt, now, then, self.viscosity, force, self._scratch
-            )
+            _core.momentum_explicit(core, u, v, w, *self.tendency, self.p, dt, now, then, nu, force, self._scratch)
         else:
-            _core.momentum_rate(core, u, v, w, *self.tendency, *self._rate, self.p, now, then, self.viscosity, force)
+            _core.momentum_rate(core, u, v, w, *self.tendency, *self._rate, self.p, now, then, nu, force)
             for component, (q, rate) in enumerate(zip(self.velocity, self._rate, strict=True)):
-                _core.diffuse_stabilised(core, q, rate, component, dt, self.viscosity, stages, self._scratch)
+                _core.diffuse_stabilised(core, q, rate, component, dt, nu, stages, self._scratch)
         self._last_dt = dt
 
     def project(self, dt: float) -> None:
         """Change u, v, w to be divergence-free, halos current, and the pressure with it."""
-        rotational = 0.0 if self.is_explicit else 0.5 * self.viscosity
+        rotational = 0.0 if self.is_explicit else 0.5 * self.kinematic_viscosity
         self.cfl_rate, self.square_sum = self._projection.project(
             self.grid.core, *self.velocity, self.p, self.increment, dt, rotational
         )

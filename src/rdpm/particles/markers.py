@@ -1,4 +1,4 @@
-"""Lagrangian markers: where they are, what volume each stands for, and the force each keeps."""
+"""Lagrangian markers: where they are, what volume each stands for, and the lagged force of each."""
 
 from __future__ import annotations
 
@@ -10,18 +10,11 @@ from numpy.typing import NDArray
 
 from rdpm import _core
 from rdpm.grid import Grid
+from rdpm.particles.calibration import CALIBRATION, Calibration
 from rdpm.particles.seeding import marker_count, sphere_points
 from rdpm.particles.state import Bodies
 
-__all__ = ["RETRACTION", "STAND_BACK", "MarkerSet"]
-
-#: Markers sit this many cells inside the surface, because the regularised delta spreads their force outwards;
-#: fitted on the drag of dilute simple-cubic arrays.
-RETRACTION = 0.33
-
-#: Distance of a marker to another surface [cells] from which on it is whole again, after the one below which it has
-#: its least share.
-STAND_BACK = (0.5, 2.0)
+__all__ = ["MarkerSet"]
 
 Floats = NDArray[np.float64]
 
@@ -33,8 +26,8 @@ class MarkerSet:
     ----------
     bodies : Bodies
     grid : Grid
-    retraction : float, [cells]
-        Depth of the markers below the surface.
+    calibration : Calibration
+        Depth of the markers below the surface, and how they are excluded near other surfaces.
 
     Attributes
     ----------
@@ -43,20 +36,20 @@ class MarkerSet:
     arm : ndarray, (M, 3), [m]
         From the centre, in box axes.
     volume : ndarray, (M,), [m^3]
-        Of the fluid layer, one cell thick, that a marker stands for; less where it is close to another surface.
+        Of the fluid layer, one cell thick, that a marker stands for; reduced close to another surface.
     h : float, [m]
         Mean spacing of the grid.
     force : ndarray, (M, 3), [m/s^2]
-        Kept from step to step and turned with the body: the force a unit mass that holds no-slip there.
+        Lagged from step to step and turned with the body: the force a unit mass that holds no-slip there.
     """
 
-    def __init__(self, bodies: Bodies, grid: Grid, retraction: float = RETRACTION) -> None:
-        self.grid = grid
+    def __init__(self, bodies: Bodies, grid: Grid, calibration: Calibration = CALIBRATION) -> None:
+        self.grid, self.calibration = grid, calibration
         self.h = h = float(np.cbrt(np.prod(grid.spacing)))
         radius = 0.5 * bodies.diameter
         counts = [marker_count(a, h) for a in radius]
         self.first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-        depth = radius - retraction * h
+        depth = radius - calibration.marker_retraction * h
         self._body_arm = (
             np.concatenate([sphere_points(n) * r for n, r in zip(counts, depth, strict=True)])
             if len(bodies)
@@ -75,12 +68,12 @@ class MarkerSet:
         return int(self.first[-1])
 
     @property
-    def reach(self) -> float:
-        """Gap [m] beyond which no marker stands back."""
-        return STAND_BACK[1] * self.h
+    def exclusion_range(self) -> float:
+        """Gap [m] beyond which no marker is excluded."""
+        return self.calibration.exclusion_far * self.h
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """The kept forces in the bodies' axes, and the volumes as the last step left them; views."""
+        """The lagged forces in the bodies' axes, and the volumes as the last step left them; views."""
         return {"force": self._body_force, "volume": self.volume}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
@@ -88,17 +81,25 @@ class MarkerSet:
         np.copyto(self._body_force, state["force"])
         np.copyto(self.volume, state["volume"])
 
-    def place(self, bodies: Bodies) -> None:
-        """Move the markers, their stencils and their kept forces to where the bodies are now."""
+    def place(self, position: Floats, orientation: Floats) -> None:
+        """Move the markers, their stencils and their lagged forces.
+
+        Parameters
+        ----------
+        position : ndarray, (N, 3), [m]
+            Of the bodies' centres.
+        orientation : ndarray, (N, 4), [-]
+            Unit quaternions.
+        """
         _core.move_markers(
-            self.first, bodies.orientation, bodies.position, self._body_arm, self._body_force, self.grid.threads,
+            self.first, orientation, position, self._body_arm, self._body_force, self.grid.threads,
             self.arm, self.position, self.force,
         )  # fmt: skip
         self._stencils.place(self.grid.core, self.position)
 
-    def keep_force(self, bodies: Bodies, share: float) -> None:
-        """Reduce the forces to this share, and store them in the bodies' axes for the next step."""
-        _core.keep_forces(self.first, bodies.orientation, share, self.grid.threads, self.force, self._body_force)
+    def store_force(self, orientation: Floats, retained: float) -> None:
+        """Relax the forces to this fraction, and store them in the bodies' axes for the next step."""
+        _core.keep_forces(self.first, orientation, retained, self.grid.threads, self.force, self._body_force)
 
     def interpolate(self, velocity: tuple[Floats, Floats, Floats]) -> Floats:
         """Velocity of the fluid at the markers, (M, 3) [m/s]; the array is used again by the next call."""
@@ -109,8 +110,8 @@ class MarkerSet:
         """Add factor * values, (M, 3), to a staggered field: the adjoint of `interpolate`."""
         self._stencils.spread(self.grid.core, *target, values, self.volume, factor)
 
-    def inner_motion(self, velocity: tuple[Floats, Floats, Floats], bodies: Bodies) -> Floats:
-        """Mean velocity and spin of the fluid inside each body, (N, 6) [m/s], [rad/s]."""
+    def interior_motion(self, velocity: tuple[Floats, Floats, Floats], bodies: Bodies) -> Floats:
+        """Mean velocity and angular velocity of the fluid inside each body, (N, 6) [m/s], [rad/s]."""
         out = np.empty((len(bodies), 6))
         self._stencils.inner_motion(self.grid.core, *velocity, bodies.position, 0.5 * bodies.diameter, out)
         return out
@@ -151,7 +152,7 @@ class MarkerSet:
     def layer_matrix(self) -> Floats:
         """Of each body, (N, 6, 6): its velocity and angular velocity to the `sums` of the rigid motion at its markers.
 
-        Markers that stand back on one side leave first moments: push and turn are coupled.
+        Markers excluded on one side leave first moments: translation and rotation are coupled.
         """
         moments = np.empty((self.first.size - 1, 10))
         _core.marker_moments(self.first, self.arm, self.volume, self.grid.threads, moments)
@@ -165,24 +166,26 @@ class MarkerSet:
         matrix[3:, 3:] = [[yy + zz, -xy, -zx], [-xy, zz + xx, -yz], [-zx, -yz, xx + yy]]
         return matrix.transpose(2, 0, 1)
 
-    def stand_back(self, bodies: Bodies, close: NDArray[np.int32], least: float) -> None:
-        """Take volume from markers that are close to another surface.
+    def exclude(self, bodies: Bodies, close: NDArray[np.int32], least: float) -> None:
+        """Reduce the volume of markers that are close to another surface.
 
         Parameters
         ----------
         bodies : Bodies
         close : ndarray of int32, (P, 2)
-            Pairs of bodies whose surfaces are close; a negative second id is a side of the box.
+            Pairs of bodies whose surfaces are close; a negative second id is a face of the box.
         least : float, [-]
-            Share left to markers within `STAND_BACK` cells of the other surface; inside it, down to none one cell deep.
+            Fraction left to markers within `exclusion_near` cells of the other surface; all from `exclusion_far` cells
+            on; inside it, down to none one cell deep.
 
         Notes
         -----
         The grid cannot hold two surfaces whose deltas overlap.
         """
-        grid, (near, far), h = self.grid, STAND_BACK, self.h
+        grid, c, h = self.grid, self.calibration, self.h
         solid = [kind == "wall" for kind in grid.boundary]
         _core.stand_back(
-            grid.size, grid.is_periodic, solid, (near * h, far * h, least, h), close, self.first, self.position,
-            bodies.position, 0.5 * bodies.diameter, self.full_volume, grid.threads, self.volume,
+            grid.size, grid.is_periodic, solid, (c.exclusion_near * h, c.exclusion_far * h, least, h), close,
+            self.first, self.position, bodies.position, 0.5 * bodies.diameter, self.full_volume, grid.threads,
+            self.volume,
         )  # fmt: skip

@@ -96,6 +96,16 @@ class Bodies:
         self.orientation[members] = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
 
     @property
+    def velocities(self) -> Floats:
+        """Velocity and angular velocity side by side, (N, 6), a copy."""
+        return np.concatenate([self.velocity, self.angular_velocity], axis=1)
+
+    @property
+    def inertia(self) -> Floats:
+        """Mass [kg] and moment of inertia [kg m^2], (N, 2), a copy."""
+        return np.stack([self.mass, self.moment_of_inertia], axis=1)
+
+    @property
     def is_free(self) -> NDArray[np.bool_]:
         """Bodies that move under forces: (N,)."""
         is_free: NDArray[np.bool_] = self.motion == FREE

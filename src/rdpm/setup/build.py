@@ -11,31 +11,21 @@ from rdpm.config.case import Case
 from rdpm.config.domain import SIDES
 from rdpm.contacts import Box, Contacts, Lubrication
 from rdpm.coupling.mean_flow import MeanFlow
-from rdpm.coupling.step import System
+from rdpm.coupling.system import System
 from rdpm.fluid import Fluid
 from rdpm.grid import Grid
 from rdpm.parallel.threads import available_threads
-from rdpm.particles.markers import MarkerSet
+from rdpm.particles.calibration import CALIBRATION, Calibration
+from rdpm.particles.immersed import ImmersedBodies
 from rdpm.particles.prescribed import Motion, Prescription
-from rdpm.particles.rigid_motion import RigidMotion
 from rdpm.particles.state import Bodies
 from rdpm.setup.plan import Plan, plan
-from rdpm.simulation import simulation
+from rdpm.simulation.time_loop import TimeLoop
 
-__all__ = ["FORCING_PASSES", "PAIR_FILM", "WALL_FILM", "Simulation", "film_model"]
-
-#: Forcing passes a step. The third changes the settling speed by 0.14 %, a fourth by 0.05 % (case settling, 8 cells a
-#: diameter); the slip falls to 0.48 and 0.66 of what it was.
-FORCING_PASSES = 3
-
-#: Gaps [cells] below which the film model enters, and at which the grid sees touching surfaces: read off the resolved
-#: resistance in Stokes flow, of a sphere against a wall and of two, from 8 to 16 cells a diameter (docs/validation.md).
-#: Of two spheres they grow as the reduced radius in cells to the 2/3, and are given for 8 cells a diameter.
-WALL_FILM, PAIR_FILM, PAIR_FILM_RADIUS = (1.5, 0.28), (0.31, 0.19), 2.0
+__all__ = ["Simulation", "lubrication_correction"]
 
 
-
-class Simulation(simulation.Simulation):
+class Simulation(TimeLoop):
     """A case made ready to run.
 
     Parameters
@@ -44,6 +34,13 @@ class Simulation(simulation.Simulation):
         From `rdpm.load_case`.
     threads : int, optional
         All processors, or OMP_NUM_THREADS, when left out.
+    calibration : Calibration, optional
+        Other fitted numbers than those rdpm was validated with.
+
+    Attributes
+    ----------
+    plan : Plan
+        What the case implied.
 
     Raises
     ------
@@ -61,87 +58,82 @@ class Simulation(simulation.Simulation):
     True
     """
 
-    def __init__(self, case: Case, threads: int | None = None) -> None:
-        self.plan: Plan = plan(case)
-        self.case = case
-        super().__init__(_system(self.plan, threads or available_threads()), self.plan.step.dt)
+    def __init__(self, case: Case, threads: int | None = None, calibration: Calibration = CALIBRATION) -> None:
+        self.case, self.plan = case, plan(case)
+        system = _system(self.plan, threads or available_threads(), calibration)
+        super().__init__(system, self.plan.step.dt, self.plan.step_control)
 
 
-def _system(made: Plan, threads: int) -> System:
-    case = made.case
-    table = case.expanded_bodies()
-    bodies = Bodies(table.diameter, table.density, table.position, table.velocity, table.angular_velocity)
-    for number, group in enumerate(case.bodies):
-        if group.orientation_seed is not None:
-            members = np.flatnonzero(table.group == number)
-            bodies.turn_at_random(members, group.orientation_seed)
-    prescription = Prescription(_motions(table.motion))
-    prescription.hold(bodies, 0.0, 0.0)
+def _system(made: Plan, threads: int, calibration: Calibration) -> System:
+    case, fluid = made.case, made.case.fluid
+    bodies, prescription = _bodies(case)
     domain = case.domain
     wall_velocity = np.array([getattr(domain.wall_velocity, side) or (0.0, 0.0, 0.0) for side in SIDES])
     x, y, z = domain.size
     has_wall = [kind == "wall" for kind in domain.kinds]
     box = Box((x, y, z), domain.is_periodic, (has_wall[0], has_wall[1], has_wall[2]), wall_velocity)
     gravity = np.array(domain.gravity)
-    fluid = case.fluid
     if fluid is None or made.cells is None:
-        contacts = _contacts(made, bodies, box, None)
-        held = np.concatenate([bodies.mass[:, None] * gravity, np.zeros((len(bodies), 3))], axis=1)
-        return System(bodies, contacts, prescription, held)
+        return System(bodies, _contacts(made, bodies, box, None, calibration), prescription, gravity)
     grid = Grid((x, y, z), made.cells, domain.kinds, wall_velocity, threads)
     flow = Fluid(grid, fluid.density, fluid.nu, made.step.is_explicit)
     flow.set_velocity(*fluid.initial_velocity)
-    film = None
+    lubrication = None
     if case.contact.lubrication and len(bodies):
-        film = film_model(fluid.mu, float(np.cbrt(np.prod(grid.spacing))), case.contact.lubrication_roughness)
-    contacts = _contacts(made, bodies, box, film)
-    markers = motion = None
-    held = np.zeros((len(bodies), 6))
+        h = float(np.cbrt(np.prod(grid.spacing)))
+        lubrication = lubrication_correction(fluid.mu, h, case.contact.lubrication_roughness, calibration)
+    contacts = _contacts(made, bodies, box, lubrication, calibration)
+    immersed = None
     if len(bodies):
-        markers = MarkerSet(bodies, grid)
-        motion = RigidMotion(bodies, flow, markers, gravity, FORCING_PASSES)
-        markers.place(bodies)
-        motion.begin()
-        # Until the flow answers, weight less buoyancy moves body and added mass.
-        answer = motion.contact_inertia[0] / (bodies.mass + 0.5 * motion.fluid_mass)
-        held[:, :3] = answer[:, None] * motion.weight
-    drive = (
-        np.array(fluid.body_force or (0.0, 0.0, 0.0))
-        - np.array(fluid.pressure_gradient or (0.0, 0.0, 0.0)) / fluid.density
-    )
-    mean_flow = MeanFlow(drive, case.zero_mean_flow, fluid.density * grid.volume, np.array(fluid.initial_velocity))
-    return System(bodies, contacts, prescription, held, flow, markers, motion, mean_flow)
+        immersed = ImmersedBodies(bodies, flow, gravity, calibration, made.step.longest is not None)
+    initial = np.array(fluid.initial_velocity)
+    mean_flow = MeanFlow(np.array(fluid.acceleration), case.zero_mean_flow, fluid.density * grid.volume, initial)
+    return System(bodies, contacts, prescription, gravity, flow, immersed, mean_flow)
 
 
-def film_model(viscosity: float, h: float, roughness: float = 1e-3) -> Lubrication:
-    """What the grid misses of squeeze films.
+def _bodies(case: Case) -> tuple[Bodies, Prescription]:
+    table = case.expanded_bodies()
+    bodies = Bodies(table.diameter, table.density, table.position, table.velocity, table.angular_velocity)
+    for number, group in enumerate(case.bodies):
+        if group.orientation_seed is not None:
+            bodies.turn_at_random(np.flatnonzero(table.group == number), group.orientation_seed)
+    prescription = Prescription(_motions(table.motion))
+    prescription.hold(bodies, 0.0, 0.0)
+    return bodies, prescription
+
+
+def lubrication_correction(
+    viscosity: float, h: float, roughness: float = 1e-3, calibration: Calibration = CALIBRATION
+) -> Lubrication:
+    """What the grid does not resolve of lubrication.
 
     Parameters
     ----------
     viscosity : float, [Pa s]
+        Dynamic.
     h : float, [m]
         Mean spacing of the grid.
     roughness : float, [-]
         Smallest gap over the smaller radius.
+    calibration : Calibration
+        Activation and resolved gaps in cells.
     """
-    return Lubrication(
-        viscosity,
-        WALL_FILM[0] * h,
-        roughness,
-        WALL_FILM[1] * h,
-        PAIR_FILM[0] * h,
-        PAIR_FILM[1] * h,
-        PAIR_FILM_RADIUS * h,
-    )
+    c = calibration
+    wall = c.wall_activation_gap * h, roughness, c.wall_resolved_gap * h
+    pair = c.pair_activation_gap * h, c.pair_resolved_gap * h, c.pair_reference_radius * h
+    return Lubrication(viscosity, *wall, *pair)
 
 
-def _contacts(made: Plan, bodies: Bodies, box: Box, film: Lubrication | None) -> Contacts:
+def _contacts(
+    made: Plan, bodies: Bodies, box: Box, lubrication: Lubrication | None, calibration: Calibration
+) -> Contacts:
     contact, fluid = made.case.contact, made.case.fluid
-    more: dict[str, Any] = {"viscosity": fluid.mu} if fluid else {}
+    substeps = calibration.substeps_per_contact
     times = [pair.design.contact_time_s for pair in made.pairs if pair.design.contact_time_s is not None]
     if contact.substeps is not None and times:
-        more["substeps_per_contact"] = max(10, math.ceil(contact.substeps * min(times) / made.step.dt))
-    return Contacts(bodies, box, made.law, film, overlap_limit=contact.overlap_limit, **more)
+        substeps = max(10, math.ceil(contact.substeps * min(times) / made.step.dt))
+    viscosity = fluid.mu if fluid else None
+    return Contacts(bodies, box, made.law, lubrication, substeps, contact.overlap_limit, viscosity)
 
 
 def _motions(given: tuple[Any, ...]) -> dict[int, Motion]:

@@ -17,7 +17,7 @@ from rdpm.fluid.timestep import Choice, advective_limit, choose_step
 from rdpm.grid.grid import choose_cells
 from rdpm.particles.seeding import marker_count
 from rdpm.setup.scales import Scales, available_memory, memory_needed, scales
-from rdpm.simulation.pace import Pace
+from rdpm.simulation.step_control import StepControl
 
 __all__ = ["PairKind", "Plan", "PlanRow", "plan"]
 
@@ -97,11 +97,11 @@ class Plan:
     sections: list[tuple[str, list[PlanRow]]]
 
     @property
-    def pace(self) -> Pace | None:
+    def step_control(self) -> StepControl | None:
         """How adaptive steps are chosen; None where all are equal."""
         if self.step.longest is None:
             return None
-        return Pace(self.step.dt, self.step.longest, MEASURED * self.case.time.cfl, self.case.time.end)
+        return StepControl(self.step.dt, self.step.longest, MEASURED * self.case.time.cfl, self.case.time.end)
 
     @property
     def warnings(self) -> list[str]:

@@ -1,5 +1,5 @@
 """A run: steps, guards, what is called on the way, and what is written."""
 
-from rdpm.simulation.simulation import Simulation
+from rdpm.simulation.time_loop import TimeLoop
 
-__all__ = ["Simulation"]
+__all__ = ["TimeLoop"]

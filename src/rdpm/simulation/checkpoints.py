@@ -8,18 +8,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-import numpy as np
 from numpy.typing import NDArray
 
 import rdpm
-from rdpm.coupling.step import System
+from rdpm.coupling.system import System
 from rdpm.errors import CheckpointError
 from rdpm.io.checkpoint import read_checkpoint, read_facts, write_checkpoint
 from rdpm.io.files import reporting
 from rdpm.simulation.guards import check_divergence
 from rdpm.simulation.recorder import Recorder
 from rdpm.simulation.schedule import Every
-from rdpm.simulation.simulation import Simulation
+from rdpm.simulation.time_loop import TimeLoop
 
 __all__ = ["FOLDER", "Checkpoints", "Saved", "discard_later", "load_newest", "restore"]
 
@@ -47,8 +46,7 @@ def _parts(system: System) -> dict[str, _Part]:
         "contacts": system.contacts,
         "prescription": system.prescription,
         "fluid": system.fluid,
-        "markers": system.markers,
-        "motion": system.motion,
+        "immersed": system.immersed,
         "mean_flow": system.mean_flow,
     }
     return {name: part for name, part in parts.items() if part is not None}
@@ -91,7 +89,7 @@ class Checkpoints:
 
     Parameters
     ----------
-    simulation : Simulation
+    simulation : TimeLoop
     recorder : Recorder
     folder : Path
         The run's; ``checkpoints`` is made in it.
@@ -104,7 +102,7 @@ class Checkpoints:
     """
 
     def __init__(
-        self, simulation: Simulation, recorder: Recorder, folder: Path, case: str, every: float = 0.0, kept: int = 2
+        self, simulation: TimeLoop, recorder: Recorder, folder: Path, case: str, every: float = 0.0, kept: int = 2
     ) -> None:
         self._simulation, self._recorder, self._case, self._kept = simulation, recorder, case, kept
         self._folder = folder / FOLDER
@@ -115,7 +113,7 @@ class Checkpoints:
         self._due = clock.monotonic() + WALL_INTERVAL
         self._written = -1
 
-    def step(self, simulation: Simulation) -> None:
+    def step(self, simulation: TimeLoop) -> None:
         """Write one that has come due."""
         if self._every.is_due(simulation.time) or clock.monotonic() >= self._due:
             self.write()
@@ -131,12 +129,12 @@ class Checkpoints:
         """
         begin = clock.monotonic()
         simulation = self._simulation
-        system = simulation.system
+        system, control = simulation.system, simulation.step_control
         if system.steps == self._written:
             return
         check_divergence(system)
         recorded, record = self._recorder.state()
-        arrays = {"system/held": system.held} | {f"recorder/{name}": value for name, value in recorded.items()}
+        arrays = {f"recorder/{name}": value for name, value in recorded.items()}
         for name, part in _parts(system).items():
             arrays |= {f"{name}/{key}": value for key, value in part.state().items()}
         facts = {
@@ -146,7 +144,7 @@ class Checkpoints:
             "steps": system.steps,
             "dt_s": simulation.dt,
             "dt_range_s": [simulation.shortest_dt, simulation.longest_dt],
-            "contact_step_s": simulation.pace.contact_step if simulation.pace else None,
+            "contact_step_s": control.contact_step if control else None,
             "wall_s": simulation.wall_seconds,
             "parts_s": system.watch.seconds,
             "max_divergence": simulation.max_divergence,
@@ -160,12 +158,12 @@ class Checkpoints:
         self._due = end + max(WALL_INTERVAL, COST_RATIO * (end - begin))
 
 
-def restore(simulation: Simulation, saved: Saved, is_same_run: bool = True) -> None:
+def restore(simulation: TimeLoop, saved: Saved, is_same_run: bool = True) -> None:
     """Change a simulation, made from the same bodies and grid, to the state of a checkpoint.
 
     Parameters
     ----------
-    simulation : Simulation
+    simulation : TimeLoop
     saved : Saved
     is_same_run : bool
         Continue: also the step length, the number of steps and the wall time. Otherwise they are those of a new run.
@@ -173,9 +171,6 @@ def restore(simulation: Simulation, saved: Saved, is_same_run: bool = True) -> N
     system = simulation.system
     for name, part in _parts(system).items():
         part.restore(saved.part(name))
-    if system.markers is not None:
-        system.markers.place(system.bodies)
-    system.held = np.array(saved.arrays["system/held"])
     system.time = saved.time
     if is_same_run:
         system.steps, simulation.dt = int(saved.facts["steps"]), float(saved.facts["dt_s"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rdpm.coupling.step import System
+from rdpm.coupling.system import System
 from rdpm.errors import BodyLeftError, CflError, DivergenceError, NanError
 
 __all__ = ["check_divergence", "check_step"]

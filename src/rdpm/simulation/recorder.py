@@ -16,7 +16,7 @@ from rdpm.io.files import reporting
 from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, PARTICLE_COLUMNS, TIMING_COLUMNS, TableWriter
 from rdpm.io.vtkhdf import BodyWriter, FieldWriter
 from rdpm.simulation.schedule import Every
-from rdpm.simulation.simulation import Simulation
+from rdpm.simulation.time_loop import TimeLoop
 
 __all__ = ["TABLES", "Recorder"]
 
@@ -38,7 +38,7 @@ class Recorder:
 
     Parameters
     ----------
-    simulation : Simulation
+    simulation : TimeLoop
     folder : Path
         Must exist.
     table_every, fields_every : float, [s]
@@ -51,7 +51,7 @@ class Recorder:
 
     def __init__(
         self,
-        simulation: Simulation,
+        simulation: TimeLoop,
         folder: Path,
         table_every: float,
         fields_every: float,
@@ -114,7 +114,7 @@ class Recorder:
     def __exit__(self, *exception: Any) -> None:
         self._files.__exit__(*exception)
 
-    def step(self, simulation: Simulation) -> None:
+    def step(self, simulation: TimeLoop) -> None:
         """Follow one step; write what has come due."""
         contact = simulation.system.last_contact
         if contact is not None and len(simulation.bodies):
@@ -154,7 +154,7 @@ class Recorder:
         sim, bodies, system = self.simulation, self.simulation.bodies, self.simulation.system
         n, span = len(bodies), sim.time - self._since
         contact = self._contact_impulse / span if span > 0.0 else np.zeros((n, 3))
-        flow = system.motion.hydrodynamic_force if system.motion else np.zeros((n, 3))
+        flow = system.immersed.hydrodynamic_force if system.immersed else np.zeros((n, 3))
         gap, neighbour = nearest_gaps(bodies, system.contacts.box)
         state = (bodies.position, bodies.velocity, bodies.angular_velocity)
         columns = (np.full(n, sim.time), np.arange(n), *state, flow, contact, gap, neighbour)
@@ -164,7 +164,7 @@ class Recorder:
 
     def _write_history(self) -> None:
         sim = self.simulation
-        bodies, fluid, motion = sim.bodies, sim.fluid, sim.system.motion
+        bodies, fluid, immersed = sim.bodies, sim.fluid, sim.system.immersed
         speed = np.linalg.norm(bodies.velocity, axis=1).max(initial=0.0)
         energy = 0.5 * float(
             bodies.mass @ (bodies.velocity**2).sum(axis=1)
@@ -179,7 +179,7 @@ class Recorder:
             "kinetic_energy_fluid_J": fluid.kinetic_energy() if fluid else 0.0,
             "kinetic_energy_bodies_J": energy,
             "max_overlap_fraction": self._deepest,
-            "slip": motion.slip / speed if motion and speed > 0.0 else 0.0,
+            "slip": immersed.slip / speed if immersed and speed > 0.0 else 0.0,
         }
         self._history.write([[row[name] for name in HISTORY_COLUMNS]])
         self._deepest = 0.0

@@ -12,7 +12,6 @@ from rdpm.config.load import load_case
 from rdpm.parallel.bandwidth import triad_bandwidth
 from rdpm.parallel.threads import available_threads
 from rdpm.setup import Simulation
-from rdpm.setup.build import FORCING_PASSES
 
 __all__ = ["CASES", "bench", "measure"]
 
@@ -90,20 +89,20 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
     for _ in range(WARM_UP):
         simulation.advance()
     watch = simulation.system.watch
-    motion = simulation.system.motion
+    immersed = simulation.system.immersed
     whole: list[float] = []
     parts: list[dict[str, float]] = []
     while len(whole) < LEAST_STEPS or sum(whole) < SECONDS:
         for part in watch.seconds:
             watch.seconds[part] = 0.0
-        if motion is not None:
-            motion.pass_seconds = 0.0
+        if immersed is not None:
+            immersed.pass_seconds = 0.0
         begin = time.perf_counter()
         simulation.advance()
         whole.append(time.perf_counter() - begin)
-        parts.append(watch.seconds | {"passes": motion.pass_seconds if motion else 0.0})
+        parts.append(watch.seconds | {"passes": immersed.pass_seconds if immersed else 0.0})
     seconds = {part: float(np.median([step[part] for step in parts])) for part in parts[0]}
-    fluid, markers = simulation.fluid, simulation.system.markers
+    fluid = simulation.fluid
     assert fluid is not None
     cells = int(np.prod(fluid.grid.cells))
     median = float(np.median(whole))
@@ -122,9 +121,10 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
         "memory_bytes_per_cell": fluid.bytes / cells,
         "parts": {part: 1e9 * of_step / cells for part, of_step in seconds.items()},
     }
-    if markers is not None and len(markers):
-        result["us_per_marker_pass"] = 1e6 * passes / FORCING_PASSES / len(markers)
-        result["us_per_marker_step"] = 1e6 * seconds["bodies"] / len(markers)
+    if immersed is not None and len(immersed.markers):
+        markers, calls = len(immersed.markers), immersed.calibration.forcing_passes
+        result["us_per_marker_pass"] = 1e6 * passes / calls / markers
+        result["us_per_marker_step"] = 1e6 * seconds["bodies"] / markers
     return result
 
 

@@ -92,7 +92,7 @@ def _grid_and_cost(simulation: Simulation) -> dict[str, Any]:
 
 def _contact_step(simulation: Simulation) -> float:
     """The step, or the one that adaptive steps fall back to [s]."""
-    return simulation.pace.contact_step if simulation.pace else simulation.dt
+    return simulation.step_control.contact_step if simulation.step_control else simulation.dt
 
 
 def _bodies(simulation: Simulation, recorder: Recorder) -> list[dict[str, Any]]:

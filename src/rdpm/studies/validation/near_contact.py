@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rdpm.config.load import load_case
 from rdpm.setup import Simulation
-from rdpm.setup.build import film_model
+from rdpm.setup.build import lubrication_correction
 from rdpm.studies.validation.points import points
 from rdpm.studies.validation.result import Chart, Curve, Found, Row, Tell
 
@@ -84,21 +84,21 @@ def resolved_resistance(
         "contact": {"stiffness": 1.0, "restitution": 0.9, "lubrication": False},
     }
     simulation = Simulation(load_case(case))
-    motion = simulation.system.motion
-    assert motion is not None
+    immersed = simulation.system.immersed
+    assert immersed is not None
     found = []
     for n, gap in enumerate(gaps):
         simulation.bodies.position[:, 2] = heights(gap)
         for _ in range(int((NEXT if n else START) / step * (0.5 * across) ** 2)):
             simulation.advance()
-        force = motion.hydrodynamic_force[:, 2]
+        force = immersed.hydrodynamic_force[:, 2]
         found.append(float(np.mean(np.abs(force)) / (3.0 * np.pi * speed)))
     return np.array(found)
 
 
 def film(pair: str, across: float, gaps: tuple[float, ...]) -> NDArray[np.float64]:
     """Resistance the film model adds, over 6 pi mu a."""
-    model = film_model(1.0, 1.0 / across)
+    model = lubrication_correction(1.0, 1.0 / across)
     radius_j = np.inf if pair == "wall" else 0.5
     per_closing = model.resistance(0.5 * np.array(gaps), 0.5, radius_j) / (3.0 * np.pi)
     # two spheres close at twice the speed of each

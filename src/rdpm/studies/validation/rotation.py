@@ -51,9 +51,9 @@ def torque(across: int) -> float:
     case["bodies"][0]["motion"] = {"rotation": [0.0, 0.0, rate]}  # type: ignore[index]
     simulation = Simulation(load_case(case))
     simulation.run(until=STEADY / 4.0)
-    motion = simulation.system.motion
-    assert motion is not None
-    return float(-motion.hydrodynamic_torque[0, 2] / (np.pi * rate))
+    immersed = simulation.system.immersed
+    assert immersed is not None
+    return float(-immersed.hydrodynamic_torque[0, 2] / (np.pi * rate))
 
 
 def spin_in_shear(across: int) -> float:

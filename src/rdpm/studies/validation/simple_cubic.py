@@ -16,6 +16,7 @@ import itertools
 import numpy as np
 
 from rdpm.config.load import load_case
+from rdpm.particles.calibration import CALIBRATION, Calibration
 from rdpm.setup import Simulation
 from rdpm.studies.validation.result import Chart, Curve, Found, Row, Tell
 
@@ -40,7 +41,9 @@ SAMPLE, SETTLED, MOST_STEPS = 400, 2e-4, 4000
 OFFSET = 0.125
 
 
-def drag_factor(solid_fraction: float, cells: int, step: float = STEP) -> float:
+def drag_factor(
+    solid_fraction: float, cells: int, step: float = STEP, calibration: Calibration = CALIBRATION
+) -> float:
     """Drag factor K, mean over eight positions within a cell.
 
     Parameters
@@ -51,6 +54,7 @@ def drag_factor(solid_fraction: float, cells: int, step: float = STEP) -> float:
         Along two unit cells; odd.
     step : float, [-]
         Viscous number nu dt / h^2.
+    calibration : Calibration
 
     Returns
     -------
@@ -73,7 +77,7 @@ def drag_factor(solid_fraction: float, cells: int, step: float = STEP) -> float:
         "resolution": {"cells": [cells] * 3},
         "time": {"end": 10.0, "step": step * h * h, "diffusion": "stabilised"},
     }
-    simulation = Simulation(load_case(case))
+    simulation = Simulation(load_case(case), calibration=calibration)
     assert simulation.fluid is not None
     mean, longer = np.inf, STEP / step
     while simulation.steps < MOST_STEPS * longer:

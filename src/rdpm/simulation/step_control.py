@@ -1,4 +1,4 @@
-"""Adaptive steps: longer than the contact step wherever neither the flow nor a close pair needs it."""
+"""Adaptive time step: longer than the contact step wherever neither the flow nor a close pair needs it."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rdpm.coupling.step import System
+from rdpm.coupling.system import System
 
-__all__ = ["CLOSE", "GAP_CLOSING", "GAP_OPENING", "PARTS", "Pace"]
+__all__ = ["CLOSE", "GAP_CLOSING", "GAP_OPENING", "PARTS", "StepControl"]
 
 #: A step is a whole number of parts of the contact step, so that a whole number of steps still ends at the end.
 PARTS = 4
@@ -29,7 +29,7 @@ GAP_CLOSING, GAP_OPENING = 0.02, 0.1
 
 
 @dataclass(frozen=True)
-class Pace:
+class StepControl:
     """Chooses each step from the state alone.
 
     Parameters
@@ -45,8 +45,8 @@ class Pace:
 
     Examples
     --------
-    >>> pace = Pace(contact_step=1e-3, longest=4e-3, cfl=0.5, end=1.0)
-    >>> pace.parts(rate=400.0, last=12, time=0.0), pace.parts(rate=0.0, last=8, time=0.0)
+    >>> control = StepControl(contact_step=1e-3, longest=4e-3, cfl=0.5, end=1.0)
+    >>> control.parts(rate=400.0, last=12, time=0.0), control.parts(rate=0.0, last=8, time=0.0)
     (10, 10)
     """
 
@@ -55,19 +55,25 @@ class Pace:
     cfl: float
     end: float
 
-    def prepare(self, system: System, last: float) -> float:
-        """Length of the coming step [s] after one of length `last`; tells the system whether surfaces are close."""
-        rate = 0.0
-        system.is_adaptive = True
+    def choose(self, system: System, last: float) -> tuple[float, bool]:
+        """Choose the coming step after one of length `last`.
+
+        Returns
+        -------
+        dt : float, [s]
+        is_isolated : bool
+            No two surfaces are near each other.
+        """
+        rate, is_isolated = 0.0, False
         if system.fluid is not None:
             h = float(np.cbrt(np.prod(system.fluid.grid.spacing)))
             rate = system.fluid.cfl_rate / self.cfl
             speeds = system.contacts.gap_speeds(CLOSE * h)
-            system.is_alone = speeds is None
+            is_isolated = speeds is None
             if speeds is not None:
                 rate = max(rate, speeds[0] / (GAP_CLOSING * h), speeds[1] / (GAP_OPENING * h))
         part = self.contact_step / PARTS
-        return part * self.parts(rate, round(last / part), system.time)
+        return part * self.parts(rate, round(last / part), system.time), is_isolated
 
     def parts(self, rate: float, last: int, time: float) -> int:
         """Parts of the contact step in the coming step.

@@ -1,18 +1,19 @@
-"""A simulation: a coupled system, its time step, and those who want to know."""
+"""The loop over time: a coupled system, its time step, checks after each step, callbacks."""
 
 from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
-from typing import Any
+from typing import Self
 
-from rdpm.coupling.step import System, step
+from rdpm.coupling.step import step
+from rdpm.coupling.system import System
 from rdpm.fluid import Fluid
 from rdpm.particles.state import Bodies
 from rdpm.simulation.guards import check_divergence, check_step
-from rdpm.simulation.pace import Pace
+from rdpm.simulation.step_control import StepControl
 
-__all__ = ["Simulation"]
+__all__ = ["TimeLoop"]
 
 #: Steps between two checks of the divergence, which read the whole velocity once more.
 DIVERGENCE_EVERY = 100
@@ -20,7 +21,7 @@ DIVERGENCE_EVERY = 100
 Progress = Callable[[int, float, float], None]
 
 
-class Simulation:
+class TimeLoop:
     """Advances a coupled system and calls back.
 
     Parameters
@@ -28,11 +29,11 @@ class Simulation:
     system : System
     dt : float, [s]
         > 0.
+    step_control : StepControl, optional
+        Chooses every step; without it, all are `dt` long.
 
     Attributes
     ----------
-    pace : Pace or None
-        Chooses every step; without one, all are `dt` long.
     dt : float, [s]
         Of the last step, or of all.
     shortest_dt, longest_dt : float, [s]
@@ -43,16 +44,12 @@ class Simulation:
         ``u``, ``v``, ``w``, ``p`` likewise.
     """
 
-    #: What the case implied, where there is one; an adaptive one sets the pace.
-    plan: Any = None
-
-    def __init__(self, system: System, dt: float) -> None:
-        self.system, self.dt = system, dt
-        self.pace: Pace | None = self.plan.pace if self.plan is not None else None
+    def __init__(self, system: System, dt: float, step_control: StepControl | None = None) -> None:
+        self.system, self.dt, self.step_control = system, dt, step_control
         self.shortest_dt = self.longest_dt = 0.0
         self.wall_seconds = 0.0
         self.max_divergence = 0.0
-        self._callbacks: list[tuple[int, Callable[[Simulation], None]]] = []
+        self._callbacks: list[tuple[int, Callable[[Self], None]]] = []
 
     @property
     def bodies(self) -> Bodies:
@@ -74,8 +71,8 @@ class Simulation:
         """Steps done."""
         return self.system.steps
 
-    def on_step(self, callback: Callable[[Simulation], None], every: int = 1) -> None:
-        """Call `callback` with this simulation after every so many steps.
+    def on_step(self, callback: Callable[[Self], None], every: int = 1) -> None:
+        """Call `callback` with this loop after every so many steps.
 
         Parameters
         ----------
@@ -97,9 +94,10 @@ class Simulation:
         """
         begin = clock.perf_counter()
         self.system.watch.start()
-        if self.pace is not None:
-            self.dt = self.pace.prepare(self.system, self.dt)
-        step(self.system, self.dt)
+        is_isolated = False
+        if self.step_control is not None:
+            self.dt, is_isolated = self.step_control.choose(self.system, self.dt)
+        step(self.system, self.dt, is_isolated)
         self.shortest_dt = min(self.shortest_dt or self.dt, self.dt)
         self.longest_dt = max(self.longest_dt, self.dt)
         check_step(self.system, self.dt)

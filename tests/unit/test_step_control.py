@@ -10,7 +10,7 @@ from rdpm.contacts import Box, Contacts, SoftSphere
 from rdpm.errors import CaseError
 from rdpm.particles.state import Bodies
 from rdpm.setup import plan
-from rdpm.simulation.pace import GROWTH, PARTS, Pace
+from rdpm.simulation.step_control import GROWTH, PARTS, StepControl
 
 CASE = {
     "domain": {"size": [0.03, 0.03, 0.06]},
@@ -27,8 +27,8 @@ CASE = {
 
 @given(st.floats(0.0, 1e4), st.integers(PARTS, 40), st.floats(0.0, 0.99))
 def test_a_step_keeps_within_its_limits(rate: float, last: int, time: float) -> None:
-    pace = Pace(contact_step=1e-3, longest=6.6e-3, cfl=0.5, end=1.0)
-    parts = pace.parts(rate, last, time)
+    control = StepControl(contact_step=1e-3, longest=6.6e-3, cfl=0.5, end=1.0)
+    parts = control.parts(rate, last, time)
     part = 1e-3 / PARTS
     assert parts >= PARTS or parts * part >= 1.0 - time - part
     assert parts <= max(last, PARTS) + GROWTH
@@ -38,12 +38,12 @@ def test_a_step_keeps_within_its_limits(rate: float, last: int, time: float) -> 
 
 @given(st.integers(3, 4000), st.integers(PARTS, 30))
 def test_the_last_step_ends_at_the_end(steps: int, longest: int) -> None:
-    pace = Pace(contact_step=1e-3, longest=longest * 1e-3 / PARTS, cfl=0.5, end=steps * 1e-3)
+    control = StepControl(contact_step=1e-3, longest=longest * 1e-3 / PARTS, cfl=0.5, end=steps * 1e-3)
     time, parts = 0.0, PARTS
-    while time < pace.end - 1e-6 * pace.contact_step:
-        parts = pace.parts(0.0, parts, time)
-        time += parts * pace.contact_step / PARTS
-    assert time == pytest.approx(pace.end, abs=1e-9)
+    while time < control.end - 1e-6 * control.contact_step:
+        parts = control.parts(0.0, parts, time)
+        time += parts * control.contact_step / PARTS
+    assert time == pytest.approx(control.end, abs=1e-9)
 
 
 def test_contact_is_that_of_the_fixed_step() -> None:
@@ -53,7 +53,7 @@ def test_contact_is_that_of_the_fixed_step() -> None:
         assert [pair.design for pair in adaptive.pairs] == [pair.design for pair in fixed.pairs]
         assert adaptive.step.dt == fixed.step.dt
         assert adaptive.step.longest > 2.0 * fixed.step.dt
-        assert fixed.pace is None
+        assert fixed.step_control is None
 
 
 def test_a_dry_case_has_no_adaptive_step() -> None:

@@ -1,0 +1,69 @@
+"""What one step changes together: bodies, contacts, fluid, time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rdpm.contacts import Contacts, ContactStep
+from rdpm.coupling.mean_flow import MeanFlow
+from rdpm.coupling.timing import Stopwatch
+from rdpm.fluid import Fluid
+from rdpm.particles.immersed import ImmersedBodies
+from rdpm.particles.prescribed import Prescription
+from rdpm.particles.state import Bodies
+
+__all__ = ["System"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass
+class System:
+    """Everything one step changes.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    contacts : Contacts
+    prescription : Prescription
+    gravity : ndarray, (3,), [m/s^2]
+    fluid : Fluid or None
+        None in a dry case.
+    immersed : ImmersedBodies or None
+        None in a dry case, or without bodies.
+    mean_flow : MeanFlow or None
+        None in a dry case.
+    """
+
+    bodies: Bodies
+    contacts: Contacts
+    prescription: Prescription
+    gravity: Floats
+    fluid: Fluid | None = None
+    immersed: ImmersedBodies | None = None
+    mean_flow: MeanFlow | None = None
+    time: float = 0.0
+    steps: int = 0
+    last_contact: ContactStep | None = None
+    watch: Stopwatch = field(default_factory=Stopwatch)
+
+    @property
+    def load(self) -> Floats:
+        """Force and torque on each body beside those of contacts, (N, 6) [N], [N m]: in a dry case its weight."""
+        if self.immersed is not None:
+            return self.immersed.load
+        weight = self.bodies.mass[:, None] * self.gravity
+        return np.concatenate([weight, np.zeros_like(weight)], axis=1)
+
+    @property
+    def inertia(self) -> Floats:
+        """Mass and moment of inertia that contacts act on, (N, 2) [kg], [kg m^2]."""
+        return self.immersed.inertia if self.immersed is not None else self.bodies.inertia
+
+    @property
+    def force_on_fluid(self) -> Floats:
+        """Of all bodies over the last step, (3,) [N]."""
+        return self.immersed.applied_force.sum(axis=0) if self.immersed is not None else np.zeros(3)
