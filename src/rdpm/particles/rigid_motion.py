@@ -158,7 +158,8 @@ class RigidMotion:
         predicted[:, :3] += self._pressure_fraction * (dt * self.applied_force - lagged[:, :3])
         known = self._inertia * before + (predicted - self.interior + self.residual) - lagged + impulse
         known[:, :3] += dt * self.weight
-        return BodyEquation(np.linalg.inv(inertia), known, outer, predicted, lagged)
+        inverse = np.asarray(np.linalg.inv(inertia), np.float64)
+        return BodyEquation(inverse, known, outer, predicted, lagged)
 
     def conclude(self, equation: BodyEquation, applied: Floats, dt: float) -> None:
         """Forces that follow from what was applied, (N, 6), in a step of `dt`."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
-from typing import Self
+from typing import Any, Self
 
 from rdpm.coupling.step import step
 from rdpm.coupling.system import System
@@ -49,7 +49,7 @@ class TimeLoop:
         self.shortest_dt = self.longest_dt = 0.0
         self.wall_seconds = 0.0
         self.max_divergence = 0.0
-        self._callbacks: list[tuple[int, Callable[[Self], None]]] = []
+        self._callbacks: list[tuple[int, Callable[[Any], None]]] = []
 
     @property
     def bodies(self) -> Bodies:
