@@ -10,7 +10,7 @@ from rdpm.cases import shipped_names
 from rdpm.cli.main import VERBS, main
 from rdpm.config.load import load_case
 from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, PARTICLE_COLUMNS, TIMING_COLUMNS
-from rdpm.studies.runner import run_case
+from rdpm.runs.runner import run_case
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"

@@ -8,7 +8,7 @@ import numpy as np
 import rdpm
 from rdpm.io.checkpoint import read_checkpoint
 from rdpm.io.vtkhdf import field_times, read_fields
-from rdpm.studies.runner import run_case
+from rdpm.runs.runner import run_case
 
 TABLES = ("particles.csv", "contacts.csv", "history.csv")  # timing.csv alone may differ
 WALL_TIMES = {"wall_s", "parts_s"}

@@ -6,7 +6,7 @@ from restart_cases import assert_equal_runs, case_of, run_until, run_whole
 
 from rdpm.contacts.history import PHASE_TOUCHING, STATE_COLUMNS
 from rdpm.io.checkpoint import read_checkpoint
-from rdpm.studies.runner import run_case
+from rdpm.runs.runner import run_case
 
 
 @pytest.mark.parametrize(

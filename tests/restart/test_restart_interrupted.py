@@ -19,7 +19,7 @@ from rdpm.io import checkpoint, files
 from rdpm.io.checkpoint import read_checkpoint
 from rdpm.io.tables import read_table
 from rdpm.io.vtkhdf import field_times
-from rdpm.studies.runner import run_case
+from rdpm.runs.runner import run_case
 
 LONG = ("time.end=0.6", "output.checkpoint_every=0.02", "output.fields_every=0.2")
 

@@ -10,7 +10,7 @@ from restart_cases import StopsAt, assert_equal_runs, case_of, new_folder, newes
 from rdpm.errors import CaseError, CheckpointError, OverlapError
 from rdpm.io.checkpoint import read_checkpoint, read_facts, write_checkpoint
 from rdpm.io.lock import LOCK_NAME, locked
-from rdpm.studies.runner import run_case
+from rdpm.runs.runner import run_case
 
 EVERY = "output.checkpoint_every=0.009"
 

@@ -86,10 +86,10 @@ def solver(monkeypatch, tmp_path):
     stand_in = Solver()
     pictures = types.ModuleType("rdpm.figures.report")
     pictures.make_report = lambda folder, *, video, progress: [folder / "report.html"]
-    runner = types.ModuleType("rdpm.studies.runner")
+    runner = types.ModuleType("rdpm.runs.runner")
     runner.run_case = stand_in.run_case
     monkeypatch.setitem(sys.modules, "rdpm.setup", stand_in)
-    monkeypatch.setitem(sys.modules, "rdpm.studies.runner", runner)
+    monkeypatch.setitem(sys.modules, "rdpm.runs.runner", runner)
     monkeypatch.setitem(sys.modules, "rdpm.figures", types.ModuleType("rdpm.figures"))
     monkeypatch.setitem(sys.modules, "rdpm.figures.report", pictures)
     for name in list(os.environ):
@@ -319,10 +319,10 @@ setup.plan = lambda case: None
 def run_case(case, folder, **_):
     print("running", flush=True)
     time.sleep(30)
-runner = types.ModuleType("rdpm.studies.runner")
+runner = types.ModuleType("rdpm.runs.runner")
 runner.run_case = run_case
 sys.modules["rdpm.setup"] = setup
-sys.modules["rdpm.studies.runner"] = runner
+sys.modules["rdpm.runs.runner"] = runner
 from rdpm.cli.main import main
 sys.exit(main(["run", "dkt"]))
 """

@@ -15,12 +15,12 @@ from rdpm.figures import report
 from rdpm.figures.bodies_3d import finish_rendering
 from rdpm.figures.flow import body_positions, load_slices, periodic_copies
 from rdpm.figures.report import make_report
-from rdpm.figures.run_folder import Plane, Tracks, load_run, tracks_from_table, viewing_plane
 from rdpm.figures.style import case_text
 from rdpm.figures.video import Film, make_video, orientations
 from rdpm.io.provenance import environment, write_json
 from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, PARTICLE_COLUMNS, TableWriter, read_table
 from rdpm.io.vtkhdf import FieldWriter
+from rdpm.results.run_folder import Plane, Tracks, load_run, tracks_from_table, viewing_plane
 
 D = 0.015
 BOX, CELLS, SPACING = (0.06, 0.05, 0.24), (24, 20, 96), (0.0025, 0.0025, 0.0025)

@@ -7,7 +7,7 @@ import pytest
 
 import rdpm
 from rdpm.io.tables import read_table
-from rdpm.studies.runner import run_case
+from rdpm.runs.runner import run_case
 
 D = 0.015
 CASE = {

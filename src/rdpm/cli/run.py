@@ -110,7 +110,7 @@ def run(
 
 
 def _computed(case: Case, folder: Path, quiet: bool, **how: Any) -> dict[str, Any]:
-    from rdpm.studies.runner import run_case
+    from rdpm.runs.runner import run_case
 
     with ExitStack() as stack:
         reporter = Reporter(quiet)

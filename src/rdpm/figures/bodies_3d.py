@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm.figures.run_folder import RunFolder, load_run
 from rdpm.figures.style import PALETTE
 from rdpm.io.files import replacing
 from rdpm.io.sphere_surface import sphere_surface
+from rdpm.results.run_folder import RunFolder, load_run
 
 __all__ = ["finish_rendering", "start_rendering"]
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rdpm.figures.run_folder import Plane, Tracks
 from rdpm.figures.style import FLOW_MAP, drawing, length_unit, save
 from rdpm.io.vtkhdf import field_grid, field_times, read_plane
+from rdpm.results.run_folder import Plane, Tracks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

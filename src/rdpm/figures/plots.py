@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rdpm.figures.run_folder import Plane, Tracks
 from rdpm.figures.style import ACCENT, PALETTE, drawing, length_unit, save
-from rdpm.studies.dkt import KISS_GAP, TUMBLE_ANGLE, DktPhases, line_of_centres, pair_gap
+from rdpm.results.dkt import KISS_GAP, TUMBLE_ANGLE, DktPhases, line_of_centres, pair_gap
+from rdpm.results.run_folder import Plane, Tracks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,10 +12,10 @@ from rdpm.errors import OutputError
 from rdpm.figures import page, plots
 from rdpm.figures.bodies_3d import finish_rendering, start_rendering
 from rdpm.figures.flow import Slices, load_slices, plot_flow
-from rdpm.figures.run_folder import RunFolder, load_run
 from rdpm.figures.style import case_text
 from rdpm.figures.video import Film, make_video
 from rdpm.io.files import replacing
+from rdpm.results.run_folder import RunFolder, load_run
 
 __all__ = ["make_report"]
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rdpm.figures.flow import Slices, body_positions, periodic_copies
-from rdpm.figures.run_folder import Plane, Tracks
 from rdpm.figures.style import FLOW_MAP, PALETTE, length_unit
 from rdpm.io.files import replacing
+from rdpm.results.run_folder import Plane, Tracks
 
 __all__ = ["Film", "make_video", "orientations"]
 

@@ -15,7 +15,7 @@ from rdpm.errors import CaseError
 from rdpm.io.provenance import read_json
 from rdpm.io.tables import read_table
 from rdpm.io.vtkhdf import field_times
-from rdpm.studies.dkt import DktPhases, from_particles_table
+from rdpm.results.dkt import DktPhases, from_particles_table
 
 __all__ = ["Plane", "RunFolder", "Tracks", "load_run", "tracks_from_table", "viewing_plane"]
 

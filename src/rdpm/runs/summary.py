@@ -10,9 +10,9 @@ import numpy as np
 
 from rdpm.io.provenance import environment, peak_memory_bytes
 from rdpm.io.tables import read_table
+from rdpm.results.dkt import from_particles_table
+from rdpm.runs.recorder import Recorder
 from rdpm.setup import Plan, Simulation
-from rdpm.simulation.recorder import Recorder
-from rdpm.studies.dkt import from_particles_table
 
 __all__ = ["summarise"]
 

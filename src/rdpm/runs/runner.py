@@ -12,12 +12,12 @@ from rdpm.errors import CaseError, CheckpointError, GuardError, RdpmError
 from rdpm.io.files import replacing, reporting
 from rdpm.io.lock import LOCK_NAME, locked
 from rdpm.io.provenance import read_json, write_json
+from rdpm.runs.checkpoints import FOLDER, Checkpoints, Saved, discard_later, load_newest, restore
+from rdpm.runs.recorder import TABLES, Recorder
+from rdpm.runs.restart import case_to_branch, case_to_continue
+from rdpm.runs.stopping import Interrupted, listening
+from rdpm.runs.summary import summarise
 from rdpm.setup import Plan, Simulation
-from rdpm.simulation.checkpoints import FOLDER, Checkpoints, Saved, discard_later, load_newest, restore
-from rdpm.simulation.recorder import TABLES, Recorder
-from rdpm.simulation.stopping import Interrupted, listening
-from rdpm.studies.restart import case_to_branch, case_to_continue
-from rdpm.studies.summary import summarise
 
 __all__ = ["Reporter", "run_case"]
 

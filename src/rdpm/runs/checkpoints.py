@@ -16,8 +16,8 @@ from rdpm.coupling.step import System
 from rdpm.errors import CheckpointError
 from rdpm.io.checkpoint import read_checkpoint, read_facts, write_checkpoint
 from rdpm.io.files import reporting
+from rdpm.runs.recorder import Recorder
 from rdpm.simulation.guards import check_divergence
-from rdpm.simulation.recorder import Recorder
 from rdpm.simulation.schedule import Every
 from rdpm.simulation.simulation import Simulation
 

@@ -10,7 +10,7 @@ from rdpm.config.case import Case
 from rdpm.config.load import load_case
 from rdpm.config.write import case_to_toml
 from rdpm.errors import CaseError, CheckpointError
-from rdpm.simulation.checkpoints import Saved
+from rdpm.runs.checkpoints import Saved
 
 __all__ = ["case_to_branch", "case_to_continue"]
 
