@@ -80,7 +80,7 @@ def test_dry_case_as_told(tmp_path, monkeypatch, capsys):
 
 def test_results_are_read_as_told(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    changes = ["resolution.cells_per_diameter=4", "time.end=0.01", "output.fields_every=0.005"]
+    changes = ["resolution.cells_per_diameter=4", "time.end=0.01", "output.fields_every=0.005", "output.report=false"]
     folder = Path("dkt")
     folder.mkdir()
     run_case(load_case("dkt", changes), folder)

@@ -7,6 +7,7 @@ import pytest
 
 import rdpm
 from rdpm.io.tables import read_table
+from rdpm.results.summary import read_summary
 from rdpm.runs.runner import run_case
 
 D = 0.015
@@ -48,20 +49,22 @@ def test_tables_and_fields_are_the_same_bytes_on_one_and_two_threads(runs) -> No
 
 def test_summary_holds_what_is_promised(runs) -> None:
     folder, summary = runs[0]
-    assert json.loads((folder / "summary.json").read_text()) == json.loads(json.dumps(summary))
-    assert set(summary) >= PROMISED
-    assert summary["status"] == "done"
-    assert summary["time_s"] == pytest.approx(0.3)
-    assert summary["steps"] == round(0.3 / summary["dt_s"])
-    assert (summary["threads"], summary["ranks"]) == (1, 1)
-    assert set(summary["contact"]) >= {"model", "ending", "contact_time_s", "contact_steps", "restitution", "pairs"}
-    for pair in summary["contact"]["pairs"]:
+    written = json.loads((folder / "summary.json").read_text())
+    assert written == json.loads(json.dumps(summary.to_dict()))
+    assert read_summary(folder / "summary.json") == summary
+    assert set(written) >= PROMISED
+    assert summary.status == "done"
+    assert summary.time_s == pytest.approx(0.3)
+    assert summary.steps == round(0.3 / summary.dt_s)
+    assert (summary.threads, summary.ranks) == (1, 1)
+    assert set(written["contact"]) >= {"model", "ending", "contact_time_s", "contact_steps", "restitution", "pairs"}
+    for pair in written["contact"]["pairs"]:
         assert set(pair) >= {"kind", "reduced_mass_kg", "stiffness_N_m", "damping_N_s_m"}
         assert pair["stiffness_N_m"] > 0.0
-    assert set(summary["contacts"]) >= {"count", "max_overlap_fraction", "total_time_s"}
+    assert set(written["contacts"]) >= {"count", "max_overlap_fraction", "total_time_s"}
     keys = {"kiss_time_s", "kiss_duration_s", "kisses", "tumble_time_s", "final_angle_deg"}
-    assert set(summary["dkt"]) >= keys
-    assert summary["max_divergence"] < 1e-9
+    assert set(written["dkt"]) >= keys
+    assert summary.max_divergence < 1e-9
 
 
 def test_particle_rows_follow_the_bodies(runs) -> None:
@@ -73,14 +76,14 @@ def test_particle_rows_follow_the_bodies(runs) -> None:
     np.testing.assert_array_equal(times, rows["time_s"][1::2])
     # A row at the first step at or after each multiple of 10 ms, and one at the end.
     assert times[0] == 0.0
-    assert times[-1] == summary["time_s"]
-    np.testing.assert_array_less(times[:-1] - 0.01 * np.arange(len(times) - 1), summary["dt_s"])
-    for n, body in enumerate(summary["bodies"]):
-        assert body["id"] == n
+    assert times[-1] == summary.time_s
+    np.testing.assert_array_less(times[:-1] - 0.01 * np.arange(len(times) - 1), summary.dt_s)
+    for n, body in enumerate(summary.bodies):
+        assert body.id == n
         last = [rows[name][n - 2] for name in ("x_m", "y_m", "z_m")]
-        np.testing.assert_array_equal(last, body["final_position_m"])
+        np.testing.assert_array_equal(last, body.final_position_m)
         speed = np.sqrt(sum(rows[name][n::2] ** 2 for name in ("u_m_s", "v_m_s", "w_m_s")))
-        assert speed.max() <= body["max_speed_m_s"] * (1.0 + 1e-12)
+        assert speed.max() <= body.max_speed_m_s * (1.0 + 1e-12)
 
 
 def test_forces_in_the_rows_make_the_motion(runs) -> None:
@@ -104,13 +107,13 @@ def test_forces_in_the_rows_make_the_motion(runs) -> None:
 def test_history_and_contacts_agree_with_the_summary(runs) -> None:
     folder, summary = runs[0]
     history, contacts = read_table(folder / "history.csv"), read_table(folder / "contacts.csv")
-    assert history["step"][-1] == summary["steps"]
+    assert history["step"][-1] == summary.steps
     assert (np.diff(history["time_s"]) > 0.0).all()
     assert (history["cfl"] < 1.0).all()
-    assert history["divergence"].max() <= summary["max_divergence"]
-    assert history["max_overlap_fraction"].max() == summary["contacts"]["max_overlap_fraction"]
-    assert len(contacts["i"]) == summary["contacts"]["count"] >= 2
-    assert contacts["duration_s"].sum() == pytest.approx(summary["contacts"]["total_time_s"])
+    assert history["divergence"].max() <= summary.max_divergence
+    assert history["max_overlap_fraction"].max() == summary.contacts.max_overlap_fraction
+    assert len(contacts["i"]) == summary.contacts.count >= 2
+    assert contacts["duration_s"].sum() == pytest.approx(summary.contacts.total_time_s)
     assert set(contacts["kind"]) <= {"sphere-sphere", "sphere-wall"}
     assert (contacts["work_J"] <= 0.0).all()
     assert (contacts["j"] < 0).any()  # the floor
@@ -129,4 +132,4 @@ def test_timing_adds_up(runs) -> None:
     folder, summary = runs[0]
     timing = read_table(folder / "timing.csv")
     parts = sum(timing[name][-1] for name in ("momentum_s", "bodies_s", "poisson_s", "contacts_s"))
-    assert 0.0 < parts <= timing["wall_s"][-1] <= summary["wall_s"] * (1.0 + 1e-9)
+    assert 0.0 < parts <= timing["wall_s"][-1] <= summary.wall_s * (1.0 + 1e-9)
