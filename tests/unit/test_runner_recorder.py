@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import rdpm
+from rdpm.errors import CaseError
 from rdpm.io.tables import read_table
 from rdpm.results.summary import read_summary
 from rdpm.runs.runner import run_case
@@ -23,6 +24,13 @@ CASE = {
     "resolution": {"cells_per_diameter": 6},
     "time": {"end": 0.3},
     "output": {"table_every": 0.01, "fields_every": 0.1, "report": False},
+}
+DRY = {
+    "domain": {"size": [0.03, 0.03, 0.03]},
+    "bodies": [{"diameter": 0.01, "density": 2500.0, "centers": [[0.015, 0.015, 0.01]]}],
+    "contact": {"stiffness": 1e3, "restitution": 0.5},
+    "time": {"end": 0.02},
+    "output": {"report": False},
 }
 PROMISED = {
     "rdpm_version", "status", "cells", "spacing_m", "cells_per_diameter", "steps", "time_s", "dt_s", "dt_limit",
@@ -65,6 +73,49 @@ def test_summary_holds_what_is_promised(runs) -> None:
     keys = {"kiss_time_s", "kiss_duration_s", "kisses", "tumble_time_s", "final_angle_deg"}
     assert set(written["dkt"]) >= keys
     assert summary.max_divergence < 1e-9
+
+
+class Listener:
+    """A reporter that keeps what it is told."""
+
+    def __init__(self):
+        self.told = []
+
+    def start(self, plan):
+        self.told.append("start")
+
+    def update(self, step, time, end, message=""):
+        pass
+
+    def note(self, text):
+        self.told.append(text)
+
+    def finish(self, summary):
+        self.told.append(summary.status)
+
+
+def test_a_run_makes_its_report_once(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("rdpm.figures.report.start_rendering", lambda *_: None)
+    case = rdpm.load_case(DRY, ["output.report=true", "output.video=false"])
+    first, again = Listener(), Listener()
+    run_case(case, tmp_path, reporter=first)
+    assert first.told == ["start", "done", "figures", "report.html"]
+    assert (tmp_path / "figures" / "trajectory.png").is_file()
+    before = (tmp_path / "report.html").stat().st_mtime_ns
+    run_case(case, tmp_path, resume=True, reporter=again)
+    assert again.told == [f"{tmp_path}: the run is done, at t = 0.02 s"]
+    assert (tmp_path / "report.html").stat().st_mtime_ns == before
+    (tmp_path / "report.html").unlink()
+    run_case(case, tmp_path, resume=True, reporter=again)
+    assert again.told[-2:] == ["figures", "report.html"]
+
+
+def test_a_run_on_many_ranks_is_refused(tmp_path, monkeypatch) -> None:
+    """From Python too: each would write into the same folder."""
+    monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
+    with pytest.raises(CaseError, match="must be one process in this version"):
+        run_case(rdpm.load_case(DRY), tmp_path)
+    assert not any(tmp_path.iterdir())
 
 
 def test_particle_rows_follow_the_bodies(runs) -> None:

@@ -2,9 +2,9 @@
 
 Measured by Mordant and Pinton, Eur. Phys. J. B 18 (2000) 343-352: d = 0.5 mm, density ratio 2.56. The viscosity is the
 one that makes the measured final speed Re 41. The box is a column of 16 x 16 x 32 diameters with free-slip boundaries;
-95 % of the final speed is reached after some 7 diameters. The drag at the final speed is compared with the one that solvers
-on grids fitted to a sphere give for an unbounded flow as well, since the viscosity of the experiment is known from its
-Reynolds number only.
+95 % of the final speed is reached after some 7 diameters. The drag at the final speed is compared with the one that
+solvers on grids fitted to a sphere give for an unbounded flow as well, since the viscosity of the experiment is known
+from its Reynolds number only.
 """
 
 from __future__ import annotations
