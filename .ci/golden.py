@@ -45,11 +45,19 @@ size = ["60 mm", "60 mm", "120 mm"]
 diameter = "10 mm"
 density = 2500
 velocity = [0.1, 0.05, 0]
-lattice = { counts = [4, 4, 2], spacing = ["14 mm", "14 mm", "14 mm"], origin = ["9 mm", "9 mm", "20 mm"], jitter = "1 mm", seed = 3 }
+lattice.counts = [4, 4, 2]
+lattice.spacing = ["14 mm", "14 mm", "14 mm"]
+lattice.origin = ["9 mm", "9 mm", "20 mm"]
+lattice.jitter = "1 mm"
+lattice.seed = 3
 [[bodies]]
 diameter = "7 mm"
 density = 1200
-lattice = { counts = [4, 4, 2], spacing = ["14 mm", "14 mm", "14 mm"], origin = ["9 mm", "9 mm", "60 mm"], jitter = "1 mm", seed = 4 }
+lattice.counts = [4, 4, 2]
+lattice.spacing = ["14 mm", "14 mm", "14 mm"]
+lattice.origin = ["9 mm", "9 mm", "60 mm"]
+lattice.jitter = "1 mm"
+lattice.seed = 4
 [contact]
 restitution = 0.7
 contact_steps = 8
@@ -75,7 +83,11 @@ diameter = "9 mm"
 density = 2500
 velocity = [0.3, 0, 0.2]
 angular_velocity = [0, 5, 0]
-lattice = { counts = [5, 4, 4], spacing = ["10 mm", "10 mm", "10 mm"], origin = ["5 mm", "5 mm", "5 mm"], jitter = "0.4 mm", seed = 5 }
+lattice.counts = [5, 4, 4]
+lattice.spacing = ["10 mm", "10 mm", "10 mm"]
+lattice.origin = ["5 mm", "5 mm", "5 mm"]
+lattice.jitter = "0.4 mm"
+lattice.seed = 5
 [[bodies]]
 diameter = "4 mm"
 density = 7800
@@ -137,7 +149,7 @@ def run(chosen: dict[str, tuple[str, list[str]]], folder: Path, names: Iterable[
         words = [case, "--out", str(folder / name), "--quiet"]
         for override in [*overrides, "output.report=false", "output.fields_every=0"]:
             words += ["--set", override]
-        code = f"import sys; from rdpm.cli.main import main; sys.argv[1:] = {['run', *words]!r}; main()"
+        code = f"import sys; from rdpm.cli.main import main; sys.argv[1:] = {['run', *words]!r}; raise SystemExit(main())"
         print(f"{name} ...", flush=True)
         subprocess.run([sys.executable, "-c", code], check=True)
 

@@ -15,7 +15,7 @@ import time
 import numpy as np
 
 import rdpm
-from rdpm.studies.dkt import phases
+from rdpm.results.dkt import phases
 
 H = 0.1 / 54.0   # spacing of the shipped grid [m]
 

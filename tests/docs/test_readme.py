@@ -10,7 +10,7 @@ from rdpm.cases import shipped_names
 from rdpm.cli.main import VERBS, main
 from rdpm.config.load import load_case
 from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, PARTICLE_COLUMNS, TIMING_COLUMNS
-from rdpm.studies.runner import run_case
+from rdpm.runs.runner import run_case
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
@@ -80,7 +80,7 @@ def test_dry_case_as_told(tmp_path, monkeypatch, capsys):
 
 def test_results_are_read_as_told(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    changes = ["resolution.cells_per_diameter=4", "time.end=0.01", "output.fields_every=0.005"]
+    changes = ["resolution.cells_per_diameter=4", "time.end=0.01", "output.fields_every=0.005", "output.report=false"]
     folder = Path("dkt")
     folder.mkdir()
     run_case(load_case("dkt", changes), folder)

@@ -8,7 +8,7 @@ import numpy as np
 import rdpm
 from rdpm.io.checkpoint import read_checkpoint
 from rdpm.io.vtkhdf import field_times, read_fields
-from rdpm.studies.runner import run_case
+from rdpm.runs.runner import run_case
 
 TABLES = ("particles.csv", "contacts.csv", "history.csv")  # timing.csv alone may differ
 WALL_TIMES = {"wall_s", "parts_s"}
@@ -126,14 +126,14 @@ def new_folder(folder):
 
 def run_whole(case, folder, threads=1):
     summary = run_case(case, new_folder(folder), threads=threads)
-    assert summary["status"] == "done"
+    assert summary.status == "done"
     return summary
 
 
 def run_until(case, folder, step, threads=1):
     """Stop after `step` and one more steps; the newest checkpoint."""
     summary = run_case(case, new_folder(folder), threads=threads, reporter=StopsAt(step))
-    assert (summary["status"], summary["steps"]) == ("interrupted", step + 1)
+    assert (summary.status, summary.steps) == ("interrupted", step + 1)
     return newest(folder)
 
 

@@ -19,7 +19,7 @@ from rdpm.io import checkpoint, files
 from rdpm.io.checkpoint import read_checkpoint
 from rdpm.io.tables import read_table
 from rdpm.io.vtkhdf import field_times
-from rdpm.studies.runner import run_case
+from rdpm.runs.runner import run_case
 
 LONG = ("time.end=0.6", "output.checkpoint_every=0.02", "output.fields_every=0.2")
 
@@ -207,7 +207,7 @@ def test_disk_full_before_the_first_step(tmp_path, monkeypatch):
         disk.setattr(files, "_sync", full)
         with pytest.raises(OutputError, match=r"case\.toml: cannot be written"):
             run_case(case, folder)
-    assert run_case(case, folder, resume=True)["status"] == "done"
+    assert run_case(case, folder, resume=True).status == "done"
 
 
 class FullDisk:
@@ -236,7 +236,7 @@ def test_disk_full_while_a_table_is_written(name, room, tmp_path):
     writers = {}
     case = case_of("periodic cloud", "output.checkpoint_every=0.009")
     folder = new_folder(tmp_path / "run")
-    from rdpm.simulation import recorder
+    from rdpm.runs import recorder
 
     class Spied(recorder.TableWriter):
         def __init__(self, path, *arguments):

@@ -9,8 +9,9 @@ from restart_cases import StopsAt, assert_equal_runs, case_of, new_folder, newes
 
 from rdpm.errors import CaseError, CheckpointError, OverlapError
 from rdpm.io.checkpoint import read_checkpoint, read_facts, write_checkpoint
-from rdpm.io.lock import LOCK_NAME, locked
-from rdpm.studies.runner import run_case
+from rdpm.io.lock import locked
+from rdpm.results.run_folder import RunFolder
+from rdpm.runs.runner import run_case
 
 EVERY = "output.checkpoint_every=0.009"
 
@@ -68,7 +69,7 @@ def test_none_left(stopped):
     with pytest.raises(CheckpointError, match="it holds files, but no checkpoint"):
         run_case(case, folder, resume=True)
     assert {path: path.read_bytes() for path in folder.glob("*.csv")} == before
-    assert not (folder / LOCK_NAME).exists()
+    assert not (RunFolder(folder).lock).exists()
 
 
 @pytest.mark.parametrize(
@@ -116,8 +117,8 @@ def test_a_run_without_a_step_begins_anew(tmp_path):
     (folder / "checkpoints").mkdir()
     (folder / ".case-abc.toml").write_text("half")
     (folder / "particles.csv").write_text("time_")
-    (folder / LOCK_NAME).write_text("999999999\n")
-    assert run_case(case, folder, resume=True)["status"] == "done"
+    (RunFolder(folder).lock).write_text("999999999\n")
+    assert run_case(case, folder, resume=True).status == "done"
     assert_equal_runs(tmp_path / "whole", folder)
 
 
@@ -136,11 +137,11 @@ def test_a_broken_field_file_is_set_aside(stopped, tmp_path):
 def test_one_run_at_a_time(stopped):
     case, folder = stopped
     with (
-        locked(folder),
+        locked(RunFolder(folder).lock),
         pytest.raises(CaseError, match=f"must be the folder of one run at a time \\(process {os.getpid()} runs in it"),
     ):
         run_case(case, folder, resume=True)
-    assert not (folder / LOCK_NAME).exists()
+    assert not (RunFolder(folder).lock).exists()
 
 
 def test_branch_with_a_changed_contact(stopped, tmp_path):
@@ -150,8 +151,8 @@ def test_branch_with_a_changed_contact(stopped, tmp_path):
     branch = new_folder(tmp_path / "branch")
     reporter = StopsAt()
     summary = run_case(case, branch, start=(folder, times[1] - 1e-4), reporter=reporter)
-    assert summary["status"] == "done"
-    assert summary["steps"] == np.ceil((0.05 - times[0]) / 0.001 - 1e-6)  # its own, from the older of the two
+    assert summary.status == "done"
+    assert summary.steps == np.ceil((0.05 - times[0]) / 0.001 - 1e-6)  # its own, from the older of the two
     assert any(note.startswith("started from") and f"t = {times[0]:.6g} s" in note for note in reporter.notes)
     first = np.loadtxt((branch / "particles.csv"), delimiter=",", skiprows=1)[0]
     assert first[0] == times[0]
@@ -163,11 +164,11 @@ def test_branch_to_the_other_way_of_diffusion(tmp_path):
     run_until(case_of("stabilised diffusion"), tmp_path / "run", 12)
     case = case_of("stabilised diffusion", "time={end=0.06, step=0.0005, diffusion='explicit'}")
     summary = run_case(case, new_folder(tmp_path / "branch"), start=(tmp_path / "run", None))
-    assert (summary["status"], summary["diffusion"]) == ("done", "explicit")
+    assert (summary.status, summary.diffusion) == ("done", "explicit")
     case = case_of("stabilised diffusion", "time={end=0.06, step=0.001, diffusion='stabilised'}")
     other = run_case(case, new_folder(tmp_path / "other"), start=(tmp_path / "run", None))
     # The two ways and steps agree as first-order starts of a step do: 1 % of the speed.
-    one, two = (s["bodies"][0]["final_velocity_m_s"][2] for s in (summary, other))
+    one, two = (s.bodies[0].final_velocity_m_s[2] for s in (summary, other))
     assert one == pytest.approx(two, rel=0.01)
 
 
@@ -206,7 +207,7 @@ def test_a_guard_leaves_the_last_good_checkpoint(tmp_path):
     assert str(second.value) == str(first.value)
     assert last.read_bytes() == before
     case = case_of("wet contact", "contact.overlap_limit=0.5")
-    assert run_case(case, new_folder(tmp_path / "branch"), start=(folder, None))["status"] == "done"
+    assert run_case(case, new_folder(tmp_path / "branch"), start=(folder, None)).status == "done"
 
 
 def test_two_are_kept_or_as_many_as_asked(tmp_path):

@@ -17,8 +17,9 @@ import pytest
 from rdpm.cases import shipped_names, shipped_text
 from rdpm.cli import main as cli
 from rdpm.errors import CaseError, OverlapError
+from rdpm.results.summary import Summary
 
-SUMMARY = {
+SUMMARY = Summary.from_dict({
     "steps": 40,
     "wall_s": 1.25,
     "ns_per_cell_step": 31.4159,
@@ -26,8 +27,9 @@ SUMMARY = {
     "bodies": [{"id": 0, "max_speed_m_s": 0.0871}, {"id": 1, "max_speed_m_s": None}],
     "contact": {"pairs": [{"kind": "body-body", "stiffness_N_m": 160.2, "damping_N_s_m": 0.1}]},
     "contacts": {"count": 3, "max_overlap_fraction": 0.0042},
-    "dkt": {"kiss_time_s": 1.6, "kiss_duration_s": 0.7, "kisses": 2, "tumble_time_s": None},
-}
+    "dkt": {"kiss_time_s": 1.6, "kiss_duration_s": 0.7, "kisses": 2, "tumble_time_s": None,
+            "final_angle_deg": 12.0},
+})
 
 
 @dataclass
@@ -86,10 +88,10 @@ def solver(monkeypatch, tmp_path):
     stand_in = Solver()
     pictures = types.ModuleType("rdpm.figures.report")
     pictures.make_report = lambda folder, *, video, progress: [folder / "report.html"]
-    runner = types.ModuleType("rdpm.studies.runner")
+    runner = types.ModuleType("rdpm.runs.runner")
     runner.run_case = stand_in.run_case
     monkeypatch.setitem(sys.modules, "rdpm.setup", stand_in)
-    monkeypatch.setitem(sys.modules, "rdpm.studies.runner", runner)
+    monkeypatch.setitem(sys.modules, "rdpm.runs.runner", runner)
     monkeypatch.setitem(sys.modules, "rdpm.figures", types.ModuleType("rdpm.figures"))
     monkeypatch.setitem(sys.modules, "rdpm.figures.report", pictures)
     for name in list(os.environ):
@@ -319,10 +321,10 @@ setup.plan = lambda case: None
 def run_case(case, folder, **_):
     print("running", flush=True)
     time.sleep(30)
-runner = types.ModuleType("rdpm.studies.runner")
+runner = types.ModuleType("rdpm.runs.runner")
 runner.run_case = run_case
 sys.modules["rdpm.setup"] = setup
-sys.modules["rdpm.studies.runner"] = runner
+sys.modules["rdpm.runs.runner"] = runner
 from rdpm.cli.main import main
 sys.exit(main(["run", "dkt"]))
 """

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rdpm.studies.dkt import from_particles_table, line_of_centres, pair_gap, phases
+from rdpm.results.dkt import from_particles_table, line_of_centres, pair_gap, phases
 
 D, GRAVITY = 0.015, (0.0, 0.0, -9.81)
 # Times are interpolated linearly between rows: exact for motion that is linear there.

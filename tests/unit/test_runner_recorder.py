@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 import rdpm
+from rdpm.errors import CaseError
 from rdpm.io.tables import read_table
-from rdpm.studies.runner import run_case
+from rdpm.results.summary import read_summary
+from rdpm.runs.runner import run_case
 
 D = 0.015
 CASE = {
@@ -22,6 +24,13 @@ CASE = {
     "resolution": {"cells_per_diameter": 6},
     "time": {"end": 0.3},
     "output": {"table_every": 0.01, "fields_every": 0.1, "report": False},
+}
+DRY = {
+    "domain": {"size": [0.03, 0.03, 0.03]},
+    "bodies": [{"diameter": 0.01, "density": 2500.0, "centers": [[0.015, 0.015, 0.01]]}],
+    "contact": {"stiffness": 1e3, "restitution": 0.5},
+    "time": {"end": 0.02},
+    "output": {"report": False},
 }
 PROMISED = {
     "rdpm_version", "status", "cells", "spacing_m", "cells_per_diameter", "steps", "time_s", "dt_s", "dt_limit",
@@ -48,20 +57,65 @@ def test_tables_and_fields_are_the_same_bytes_on_one_and_two_threads(runs) -> No
 
 def test_summary_holds_what_is_promised(runs) -> None:
     folder, summary = runs[0]
-    assert json.loads((folder / "summary.json").read_text()) == json.loads(json.dumps(summary))
-    assert set(summary) >= PROMISED
-    assert summary["status"] == "done"
-    assert summary["time_s"] == pytest.approx(0.3)
-    assert summary["steps"] == round(0.3 / summary["dt_s"])
-    assert (summary["threads"], summary["ranks"]) == (1, 1)
-    assert set(summary["contact"]) >= {"model", "ending", "contact_time_s", "contact_steps", "restitution", "pairs"}
-    for pair in summary["contact"]["pairs"]:
+    written = json.loads((folder / "summary.json").read_text())
+    assert written == json.loads(json.dumps(summary.to_dict()))
+    assert read_summary(folder / "summary.json") == summary
+    assert set(written) >= PROMISED
+    assert summary.status == "done"
+    assert summary.time_s == pytest.approx(0.3)
+    assert summary.steps == round(0.3 / summary.dt_s)
+    assert (summary.threads, summary.ranks) == (1, 1)
+    assert set(written["contact"]) >= {"model", "ending", "contact_time_s", "contact_steps", "restitution", "pairs"}
+    for pair in written["contact"]["pairs"]:
         assert set(pair) >= {"kind", "reduced_mass_kg", "stiffness_N_m", "damping_N_s_m"}
         assert pair["stiffness_N_m"] > 0.0
-    assert set(summary["contacts"]) >= {"count", "max_overlap_fraction", "total_time_s"}
+    assert set(written["contacts"]) >= {"count", "max_overlap_fraction", "total_time_s"}
     keys = {"kiss_time_s", "kiss_duration_s", "kisses", "tumble_time_s", "final_angle_deg"}
-    assert set(summary["dkt"]) >= keys
-    assert summary["max_divergence"] < 1e-9
+    assert set(written["dkt"]) >= keys
+    assert summary.max_divergence < 1e-9
+
+
+class Listener:
+    """A reporter that keeps what it is told."""
+
+    def __init__(self):
+        self.told = []
+
+    def start(self, plan):
+        self.told.append("start")
+
+    def update(self, step, time, end, message=""):
+        pass
+
+    def note(self, text):
+        self.told.append(text)
+
+    def finish(self, summary):
+        self.told.append(summary.status)
+
+
+def test_a_run_makes_its_report_once(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("rdpm.figures.report.start_rendering", lambda *_: None)
+    case = rdpm.load_case(DRY, ["output.report=true", "output.video=false"])
+    first, again = Listener(), Listener()
+    run_case(case, tmp_path, reporter=first)
+    assert first.told == ["start", "done", "figures", "report.html"]
+    assert (tmp_path / "figures" / "trajectory.png").is_file()
+    before = (tmp_path / "report.html").stat().st_mtime_ns
+    run_case(case, tmp_path, resume=True, reporter=again)
+    assert again.told == [f"{tmp_path}: the run is done, at t = 0.02 s"]
+    assert (tmp_path / "report.html").stat().st_mtime_ns == before
+    (tmp_path / "report.html").unlink()
+    run_case(case, tmp_path, resume=True, reporter=again)
+    assert again.told[-2:] == ["figures", "report.html"]
+
+
+def test_a_run_on_many_ranks_is_refused(tmp_path, monkeypatch) -> None:
+    """From Python too: each would write into the same folder."""
+    monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
+    with pytest.raises(CaseError, match="must be one process in this version"):
+        run_case(rdpm.load_case(DRY), tmp_path)
+    assert not any(tmp_path.iterdir())
 
 
 def test_particle_rows_follow_the_bodies(runs) -> None:
@@ -73,14 +127,14 @@ def test_particle_rows_follow_the_bodies(runs) -> None:
     np.testing.assert_array_equal(times, rows["time_s"][1::2])
     # A row at the first step at or after each multiple of 10 ms, and one at the end.
     assert times[0] == 0.0
-    assert times[-1] == summary["time_s"]
-    np.testing.assert_array_less(times[:-1] - 0.01 * np.arange(len(times) - 1), summary["dt_s"])
-    for n, body in enumerate(summary["bodies"]):
-        assert body["id"] == n
+    assert times[-1] == summary.time_s
+    np.testing.assert_array_less(times[:-1] - 0.01 * np.arange(len(times) - 1), summary.dt_s)
+    for n, body in enumerate(summary.bodies):
+        assert body.id == n
         last = [rows[name][n - 2] for name in ("x_m", "y_m", "z_m")]
-        np.testing.assert_array_equal(last, body["final_position_m"])
+        np.testing.assert_array_equal(last, body.final_position_m)
         speed = np.sqrt(sum(rows[name][n::2] ** 2 for name in ("u_m_s", "v_m_s", "w_m_s")))
-        assert speed.max() <= body["max_speed_m_s"] * (1.0 + 1e-12)
+        assert speed.max() <= body.max_speed_m_s * (1.0 + 1e-12)
 
 
 def test_forces_in_the_rows_make_the_motion(runs) -> None:
@@ -104,13 +158,13 @@ def test_forces_in_the_rows_make_the_motion(runs) -> None:
 def test_history_and_contacts_agree_with_the_summary(runs) -> None:
     folder, summary = runs[0]
     history, contacts = read_table(folder / "history.csv"), read_table(folder / "contacts.csv")
-    assert history["step"][-1] == summary["steps"]
+    assert history["step"][-1] == summary.steps
     assert (np.diff(history["time_s"]) > 0.0).all()
     assert (history["cfl"] < 1.0).all()
-    assert history["divergence"].max() <= summary["max_divergence"]
-    assert history["max_overlap_fraction"].max() == summary["contacts"]["max_overlap_fraction"]
-    assert len(contacts["i"]) == summary["contacts"]["count"] >= 2
-    assert contacts["duration_s"].sum() == pytest.approx(summary["contacts"]["total_time_s"])
+    assert history["divergence"].max() <= summary.max_divergence
+    assert history["max_overlap_fraction"].max() == summary.contacts.max_overlap_fraction
+    assert len(contacts["i"]) == summary.contacts.count >= 2
+    assert contacts["duration_s"].sum() == pytest.approx(summary.contacts.total_time_s)
     assert set(contacts["kind"]) <= {"sphere-sphere", "sphere-wall"}
     assert (contacts["work_J"] <= 0.0).all()
     assert (contacts["j"] < 0).any()  # the floor
@@ -129,4 +183,4 @@ def test_timing_adds_up(runs) -> None:
     folder, summary = runs[0]
     timing = read_table(folder / "timing.csv")
     parts = sum(timing[name][-1] for name in ("momentum_s", "bodies_s", "poisson_s", "contacts_s"))
-    assert 0.0 < parts <= timing["wall_s"][-1] <= summary["wall_s"] * (1.0 + 1e-9)
+    assert 0.0 < parts <= timing["wall_s"][-1] <= summary.wall_s * (1.0 + 1e-9)

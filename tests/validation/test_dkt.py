@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import rdpm
-from rdpm.studies.dkt import phases
+from rdpm.results.dkt import phases
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ from rdpm.particles.calibration import CALIBRATION
 from rdpm.setup.build import lubrication_correction
 from rdpm.studies.validation import CASES, Chart, Curve, Row, validate
 from rdpm.studies.validation.basset import basset_speed
-from rdpm.studies.validation.near_contact import film, resolved_resistance
+from rdpm.studies.validation.near_contact import lubrication_resistance, resolved_resistance
 from rdpm.studies.validation.points import crossing, points
 from rdpm.studies.validation.rebound import peaks
 
@@ -65,7 +65,7 @@ def test_lubrication_is_what_the_grid_misses(pair, activation):
     gap, exact = points("approach_stokes", "gap_over_a", "resistance", pair=pair)
     gaps = (1.0, 0.2, 0.1, 0.05, 0.02, 0.01)
     resolved = resolved_resistance(pair, 8, gaps)
-    both = resolved + film(pair, 8, gaps)
+    both = resolved + lubrication_resistance(pair, 8, gaps)
     reference = np.array([exact[gap == g][0] for g in gaps])
     np.testing.assert_allclose(both[2:], reference[2:], rtol=0.10)  # the band of the published case at 16 cells
     assert np.all(resolved[3:] < 0.95 * reference[3:])  # there is something to add

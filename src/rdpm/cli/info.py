@@ -48,9 +48,9 @@ def _kernels() -> dict[str, str]:
 
 def _threads() -> str:
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    asked = os.environ.get("OMP_NUM_THREADS")
+    given = os.environ.get("OMP_NUM_THREADS")
     waiting = os.environ.get("OMP_WAIT_POLICY", "the default")
-    return f"{asked or cores} ({cores} cores here, OMP_NUM_THREADS {asked or 'not set'}, waiting {waiting})"
+    return f"{given or cores} ({cores} cores here, OMP_NUM_THREADS {given or 'not set'}, waiting {waiting})"
 
 
 def _version(name: str) -> str:

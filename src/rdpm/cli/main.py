@@ -118,7 +118,9 @@ def _log_traceback(folder: Path | None) -> str:
             handle, name = tempfile.mkstemp(prefix="rdpm-", suffix=".log")
             os.close(handle)
         else:
-            name = str(folder / "run.log")
+            from rdpm.results.run_folder import RunFolder
+
+            name = str(RunFolder(folder).log)
         with open(name, "a", encoding="utf-8") as log:
             log.write(text)
         return name

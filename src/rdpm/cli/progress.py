@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import sys
 import time as clock
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rdpm.results.summary import Summary
 
 __all__ = ["Reporter", "say"]
 
@@ -101,18 +104,17 @@ class Reporter:
         else:
             self._bar.console.print(text, markup=False, highlight=False)
 
-    def finish(self, summary: dict[str, Any]) -> None:
+    def finish(self, summary: Summary) -> None:
         """End the progress of a run that came to its end.
 
         Parameters
         ----------
-        summary : dict
+        summary : Summary
             The run's; its wall time is said.
         """
         self.close()
-        wall = summary.get("wall_s")
-        if not self.quiet and wall is not None:
-            say(f"{summary.get('steps', '?')} steps in {_span(float(wall))}")
+        if not self.quiet and summary.wall_s is not None:
+            say(f"{summary.steps} steps in {_span(summary.wall_s)}")
 
     def close(self) -> None:
         """Take the bar from the terminal."""

@@ -37,16 +37,18 @@ def report(
     """
     from rdpm.cli.progress import say
     from rdpm.figures.report import make_report
+    from rdpm.results.run_folder import RunFolder
 
     if not folder.is_dir():
         rule = "must be a folder" if folder.exists() else "there is no such folder"
         raise CaseError(str(folder), None, rule, cure="Name the folder that `rdpm run` wrote.")
-    if not any((folder / name).is_file() for name in ("summary.json", "case.toml")):
+    files = RunFolder(folder)
+    if not (files.summary.is_file() or files.case.is_file()):
         raise CaseError(
             str(folder),
             None,
             "must hold a run's results",
-            "neither summary.json nor case.toml is there",
+            f"neither {files.summary.name} nor {files.case.name} is there",
             "Name the folder that `rdpm run` wrote.",
         )
     made = make_report(folder, video=video, progress=None if quiet else say)

@@ -8,7 +8,6 @@ import sys
 import threading
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,20 +15,13 @@ from cyclopts import Parameter
 
 from rdpm.cli.progress import Reporter, say
 from rdpm.errors import CaseError, CheckpointError
+from rdpm.parallel.ranks import working_ranks
 
 if TYPE_CHECKING:
     from rdpm.config.case import Case
+    from rdpm.results.summary import Summary
 
 __all__ = ["run"]
-
-# set for each process by the launchers; SLURM's batch script itself has no step
-_RANKS = (
-    "OMPI_COMM_WORLD_SIZE",
-    "PMI_SIZE",
-    "MV2_COMM_WORLD_SIZE",
-    "MPI_LOCALNRANKS",
-    "SLURM_STEP_NUM_TASKS",
-)
 
 
 def run(
@@ -73,7 +65,7 @@ def run(
     GuardError
         The numbers could no longer be trusted.
     """
-    _refuse_ranks()
+    working_ranks()  # refuses several
     _keep_streams()
     if threads is not None and not 1 <= threads <= 1024:
         raise CaseError("--threads", threads, "must lie between 1 and 1024")
@@ -92,11 +84,9 @@ def run(
         folder = _folder(out, run_folder.name if run_folder else case_name(case))
     try:
         summary = _computed(loaded, folder, quiet, threads=threads, resume=resume, start=start)
-        if summary["status"] == "interrupted":
+        if summary.status == "interrupted":
             _unheard(_say_how_to_resume, folder, summary)
             return 130
-        if loaded.output.report and not _is_reported(folder):
-            _report(folder, loaded.output.video, quiet)
     except (CaseError, CheckpointError):
         with suppress(OSError):
             folder.rmdir()  # only if nothing is in it
@@ -109,19 +99,13 @@ def run(
     return 0
 
 
-def _computed(case: Case, folder: Path, quiet: bool, **how: Any) -> dict[str, Any]:
-    from rdpm.studies.runner import run_case
+def _computed(case: Case, folder: Path, quiet: bool, **how: Any) -> Summary:
+    from rdpm.runs.runner import run_case
 
     with ExitStack() as stack:
         reporter = Reporter(quiet)
         stack.callback(_unheard, reporter.close)
         return run_case(case, folder, reporter=reporter, **how)
-
-
-def _is_reported(folder: Path) -> bool:
-    """Whether the report is that of the results, as in a run that was done already."""
-    report, summary = folder / "report.html", folder / "summary.json"
-    return report.is_file() and summary.is_file() and report.stat().st_mtime_ns >= summary.stat().st_mtime_ns
 
 
 def _start(folder: Path | None, at: str | None, resume: bool) -> tuple[Path, float | None] | None:
@@ -149,13 +133,14 @@ def _start(folder: Path | None, at: str | None, resume: bool) -> tuple[Path, flo
 def _source(case: str, prefers_folder: bool) -> tuple[str, Path | None]:
     """What to load as the case; and the folder, if it is that of a run.
 
-    A shipped name goes before a folder of that name, unless the run in the folder is what is asked for.
+    A shipped name goes before a folder of that name, unless the run in the folder is meant.
     """
     from rdpm.cases import shipped_names
+    from rdpm.results.run_folder import RunFolder
 
-    folder = Path(case)
-    if (prefers_folder or case not in shipped_names()) and (folder / "case.toml").is_file():
-        return str(folder / "case.toml"), folder
+    folder = RunFolder(Path(case))
+    if (prefers_folder or case not in shipped_names()) and folder.case.is_file():
+        return str(folder.case), folder.path
     return case, None
 
 
@@ -176,35 +161,16 @@ def _unheard(tell: Callable[..., None], *arguments: Any) -> None:
         tell(*arguments)
 
 
-def _say_how_to_resume(folder: Path, summary: dict[str, Any]) -> None:
-    say(f"rdpm: interrupted at t = {summary['time_s']:.6g} s. To continue: rdpm run {folder} --resume")
+def _say_how_to_resume(folder: Path, summary: Summary) -> None:
+    say(f"rdpm: interrupted at t = {summary.time_s:.6g} s. To continue: rdpm run {folder} --resume")
 
 
-def _report(folder: Path, video: bool, quiet: bool) -> None:
-    from rdpm.figures.report import make_report
-
-    make_report(folder, video=video, progress=None if quiet else partial(_unheard, say))
-
-
-def _show(summary: dict[str, Any], folder: Path) -> None:
+def _show(summary: Summary, folder: Path) -> None:
     from rich.console import Console
 
     from rdpm.cli.results import show_results
 
     show_results(summary, folder, Console(highlight=False, markup=False))
-
-
-def _refuse_ranks() -> None:
-    for name in _RANKS:
-        count = os.environ.get(name, "")
-        if count.isdigit() and int(count) > 1:
-            raise CaseError(
-                "run",
-                f"{count} MPI ranks ({name})",
-                "must be one process in this version",
-                "each rank would run the whole case",
-                "Start it without mpiexec or srun; use --threads.",
-            )
 
 
 def _end_on_signals() -> None:

@@ -76,7 +76,7 @@ def validate(
 
 
 _HEAD = (
-    f"{'case':16} {'quantity':58} {'value':>10} {'reference':>10} {'diff %':>7} {'band %':>7} {'ok':>3} {'s':>6}"
+    f"{'case':16} {'quantity':68} {'value':>10} {'reference':>10} {'diff %':>7} {'band %':>7} {'ok':>3} {'s':>6}"
     "  source"
 )
 
@@ -108,6 +108,6 @@ def _markdown_line(row: dict[str, Any]) -> str:
 def _line(row: dict[str, Any]) -> str:
     quantity, value, reference, difference, band, ok = _cells(row, "", "<")
     return (
-        f"{row['case']:16} {quantity:58} {value:>10} {reference:>10} {difference:>7} {band:>7} {ok:>3} "
+        f"{row['case']:16} {quantity:68} {value:>10} {reference:>10} {difference:>7} {band:>7} {ok:>3} "
         f"{row['seconds']:>6.1f}  {row['source']}"
     )

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm.figures.run_folder import RunFolder, load_run
 from rdpm.figures.style import PALETTE
 from rdpm.io.files import replacing
 from rdpm.io.sphere_surface import sphere_surface
+from rdpm.results.run import Run, load_run
 
 __all__ = ["finish_rendering", "start_rendering"]
 
@@ -71,7 +71,7 @@ def finish_rendering(process: subprocess.Popen[str], timeout: float = _SECONDS) 
     return lines[-1] if lines else f"the renderer ended with code {process.returncode}"
 
 
-def _render(run: RunFolder, path: Path) -> None:
+def _render(run: Run, path: Path) -> None:
     import pyvista
     from PIL import Image
 

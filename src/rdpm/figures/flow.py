@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rdpm.figures.run_folder import Plane, Tracks
+from rdpm.figures.plane import Plane
 from rdpm.figures.style import FLOW_MAP, drawing, length_unit, save
 from rdpm.io.vtkhdf import field_grid, field_times, read_plane
+from rdpm.results.tracks import Tracks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -145,7 +146,7 @@ def plot_flow(
 
 
 def _steps(times: Floats, at: ArrayLike | None, panels: int) -> NDArray[np.int64]:
-    """Numbers of the stored steps nearest to the times asked for."""
+    """Numbers of the stored steps nearest to the requested times."""
     wanted = np.linspace(times[-1] / panels, times[-1], panels) if at is None else np.asarray(at, np.float64)
     return np.unique([int(np.argmin(np.abs(times - time))) for time in wanted])
 
@@ -190,7 +191,7 @@ def _discs(axes: Axes, centres: Floats, diameter: Floats, period: Floats, plane:
 
 
 def periodic_copies(points: Floats, period: Floats) -> list[Floats]:
-    """Points moved into the box, and the same beside each of its periodic sides.
+    """Points moved into the box, and the same beside each of its periodic boundaries.
 
     Parameters
     ----------

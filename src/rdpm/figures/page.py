@@ -1,4 +1,4 @@
-"""The parts of a self-contained HTML page: text, tables, pictures, film; nothing comes from elsewhere."""
+"""The parts of a self-contained HTML page: text, tables, pictures, video; nothing comes from elsewhere."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
 
-__all__ = ["document", "film", "folded", "heading", "note_list", "paragraph", "picture", "section", "table"]
+__all__ = ["document", "folded", "heading", "note_list", "paragraph", "picture", "section", "table", "video"]
 
 _LOOK = """
 :root { color-scheme: light dark; --page: #fbfbfa; --text: #1d1d1f; --soft: #5c5c60; --line: #dcdcdc;
@@ -134,10 +134,10 @@ def picture(path: Path, caption: str, tall: bool = False) -> str:
     return f"<figure>{image}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
-def film(path: Path, caption: str) -> str:
+def video(path: Path, caption: str) -> str:
     """An MP4 file inside the page, with its caption."""
-    video = f'<video controls loop muted playsinline src="data:video/mp4;base64,{_embedded(path)}"></video>'
-    return f"<figure>{video}<figcaption>{escape(caption)}</figcaption></figure>"
+    player = f'<video controls loop muted playsinline src="data:video/mp4;base64,{_embedded(path)}"></video>'
+    return f"<figure>{player}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
 def _embedded(path: Path) -> str:

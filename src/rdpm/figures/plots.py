@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rdpm.figures.run_folder import Plane, Tracks
+from rdpm.figures.plane import Plane
 from rdpm.figures.style import ACCENT, PALETTE, drawing, length_unit, save
-from rdpm.studies.dkt import KISS_GAP, TUMBLE_ANGLE, DktPhases, line_of_centres, pair_gap
+from rdpm.results.dkt import KISS_GAP, TUMBLE_ANGLE, DktPhases, line_of_centres, pair_gap
+from rdpm.results.summary import OVERLAP_WARNING
+from rdpm.results.tracks import Tracks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -259,9 +261,9 @@ def plot_angle(
 
 
 def plot_contacts(
-    path: str | Path, contacts: Mapping[str, NDArray[Any]], asked_restitution: float | None, caption: str
+    path: str | Path, contacts: Mapping[str, NDArray[Any]], target_restitution: float | None, caption: str
 ) -> Path:
-    """Overlap of each contact against time, and restitution obtained against Stokes number, as PNG.
+    """Overlap of each contact against time, and achieved restitution against Stokes number, as PNG.
 
     Without a fluid the restitution is drawn against the impact speed.
 
@@ -270,7 +272,7 @@ def plot_contacts(
     path : path
     contacts : mapping of ndarray
         Columns of ``contacts.csv``.
-    asked_restitution : float or None, [-]
+    target_restitution : float or None, [-]
         Drawn as a line.
     caption : str
         What was run.
@@ -290,14 +292,14 @@ def plot_contacts(
             dots: dict[str, Any] = {"marker": "o", "linestyle": "", "markersize": 4, "color": PALETTE[n]}
             left.plot(contacts["start_s"][rows], overlap, label=str(kind), **dots)
             right.plot(where[rows], contacts["restitution"][rows], **dots)
-        _mark_level(left, 0.5, "0.5 %")
+        _mark_level(left, 100.0 * OVERLAP_WARNING, f"{100.0 * OVERLAP_WARNING:g} %")
         left.set(xlabel="start of the contact [s]", ylabel="largest overlap [% d]")
         left.set_ylim(bottom=0.0)
         _legend(left)
-        if asked_restitution is not None:
-            _mark_level(right, asked_restitution, "asked (dry)")
+        if target_restitution is not None:
+            _mark_level(right, target_restitution, "target (dry)")
         right.set(xlabel="Stokes number at impact" if has_fluid else "impact speed [m/s]")
-        right.set(ylabel="restitution obtained", ylim=(-0.03, 1.05))
+        right.set(ylabel="achieved restitution", ylim=(-0.03, 1.05))
         return save(figure, path, caption)
 
 

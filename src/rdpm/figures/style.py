@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rdpm.io.files import replacing
+from rdpm.results.summary import Summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["ACCENT", "FLOW_MAP", "PALETTE", "case_text", "drawing", "length_unit", "save"]
 
 # Okabe and Ito (2008): colours told apart with any kind of colour vision. First those that a body keeps
-# in charts and film alike, where the flow behind it is blue.
+# in charts and video alike, where the flow behind it is blue.
 PALETTE = ("#D55E00", "#262626", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2")
 ACCENT = "#7a7a7a"
 FLOW_MAP = "YlGnBu"
@@ -109,12 +110,12 @@ def length_unit(values: ArrayLike) -> tuple[float, str]:
     return (100.0, "cm") if largest >= 0.02 else (1000.0, "mm")
 
 
-def case_text(title: str, case: dict[str, Any], summary: dict[str, Any], diameter: ArrayLike) -> str:
+def case_text(title: str, case: dict[str, Any], summary: Summary, diameter: ArrayLike) -> str:
     """One sentence that says what was run.
 
     Examples
     --------
-    >>> case_text("One sphere", {"fluid": {"density": 962.0, "viscosity": 0.113}}, {"dt_s": 2e-3}, [0.015])
+    >>> case_text("One sphere", {"fluid": {"density": 962.0, "viscosity": 0.113}}, Summary(dt_s=2e-3), [0.015])
     'One sphere: sphere of 15 mm in 962 kg/m³, 0.113 Pa s; dt = 2 ms'
     """
     parts = []
@@ -134,9 +135,9 @@ def case_text(title: str, case: dict[str, Any], summary: dict[str, Any], diamete
             viscosity = f", {fluid['kinematic_viscosity']:.4g} m²/s"
         parts.append(f"in {fluid['density']:.6g} kg/m³{viscosity}")
     numerics = []
-    if summary.get("cells_per_diameter"):
-        numerics.append(f"{summary['cells_per_diameter']:.3g} cells a diameter")
-    if summary.get("dt_s"):
-        numerics.append(f"dt = {1e3 * summary['dt_s']:.4g} ms")
+    if summary.cells_per_diameter:
+        numerics.append(f"{summary.cells_per_diameter:.3g} cells a diameter")
+    if summary.dt_s:
+        numerics.append(f"dt = {1e3 * summary.dt_s:.4g} ms")
     text = " ".join(parts) + ("; " + ", ".join(numerics) if numerics else "")
     return ": ".join(part for part in (title, text) if part)

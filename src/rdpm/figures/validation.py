@@ -2,15 +2,50 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rdpm.figures.style import ACCENT, PALETTE, drawing, save
 
-if TYPE_CHECKING:
-    from rdpm.studies.validation.result import Chart
+__all__ = ["Chart", "Curve", "draw"]
 
-__all__ = ["draw"]
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Points of a chart: a line, or marks where they were measured."""
+
+    label: str
+    x: Floats
+    y: Floats
+    is_measured: bool = False
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Curves to be drawn together.
+
+    Parameters
+    ----------
+    name : str
+        Of the file.
+    title, x_label, y_label, caption : str
+        Labels with units; the caption says what was run.
+    log_x, log_y : bool
+    """
+
+    name: str
+    title: str
+    x_label: str
+    y_label: str
+    caption: str
+    curves: list[Curve] = field(default_factory=list)
+    log_x: bool = False
+    log_y: bool = False
 
 
 def draw(chart: Chart, folder: str | Path) -> Path:

@@ -1,4 +1,4 @@
-"""A film of the run: the flow in a vertical plane and the turning spheres, drawn pixel by pixel."""
+"""A video of the run: the flow in a vertical plane and the turning spheres, drawn pixel by pixel."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rdpm.figures.flow import Slices, body_positions, periodic_copies
-from rdpm.figures.run_folder import Plane, Tracks
+from rdpm.figures.plane import Plane
 from rdpm.figures.style import FLOW_MAP, PALETTE, length_unit
 from rdpm.io.files import replacing
+from rdpm.results.tracks import Tracks
 
-__all__ = ["Film", "make_video", "orientations"]
+__all__ = ["Scene", "make_video", "orientations"]
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
@@ -30,8 +31,8 @@ _LIGHT = np.array([-0.45, 0.6, 0.66])   # from the upper left, towards the viewe
 
 
 @dataclass(frozen=True)
-class Film:
-    """What is filmed.
+class Scene:
+    """What the video shows.
 
     Attributes
     ----------
@@ -62,17 +63,17 @@ class Film:
         return min(float(t[0]) for t in known), max(float(t[-1]) for t in known)
 
 
-def make_video(path: str | Path, film: Film, frames: int = 100, rate: int = 20) -> Path:
-    """Write the film as MP4 (H.264, yuv420p).
+def make_video(path: str | Path, scene: Scene, frames: int = 100, rate: int = 20) -> Path:
+    """Write the video of a scene as MP4 (H.264, yuv420p).
 
     Parameters
     ----------
     path : path
         Ends in ``.mp4``.
-    film : Film
+    scene : Scene
         With bodies or flow at two times at least.
     frames : int
-        > 1; evenly spread over the film's span.
+        > 1; evenly spread over the scene's span.
     rate : int, [1/s]
         Frames a second.
 
@@ -89,11 +90,11 @@ def make_video(path: str | Path, film: Film, frames: int = 100, rate: int = 20) 
     """
     import imageio_ffmpeg
 
-    start, end = film.span
+    start, end = scene.span
     if not end > start:
-        raise ValueError("a film needs two times at least")
+        raise ValueError("a video needs two times at least")
     path = Path(path)
-    pictures = _pictures(film, np.linspace(start, end, frames))
+    pictures = _pictures(scene, np.linspace(start, end, frames))
     first = next(pictures)
     with replacing(path) as temporary:
         writer = imageio_ffmpeg.write_frames(
@@ -110,13 +111,13 @@ def make_video(path: str | Path, film: Film, frames: int = 100, rate: int = 20) 
     return path
 
 
-def _pictures(film: Film, times: Floats) -> Iterator[Pixels]:
-    canvas = _Canvas(film)
-    turned = orientations(film.tracks, times)
+def _pictures(scene: Scene, times: Floats) -> Iterator[Pixels]:
+    canvas = _Canvas(scene)
+    turned = orientations(scene.tracks, times)
     for n, time in enumerate(times):
         picture = canvas.background(time)
-        if film.tracks is not None:
-            canvas.draw_spheres(picture, body_positions(film.tracks, time), turned[n])
+        if scene.tracks is not None:
+            canvas.draw_spheres(picture, body_positions(scene.tracks, time), turned[n])
         yield canvas.framed(picture, time)
 
 
@@ -153,19 +154,19 @@ def _rotation(vector: Floats) -> Floats:
 class _Canvas:
     """Everything about a picture that stays the same from frame to frame."""
 
-    def __init__(self, film: Film) -> None:
+    def __init__(self, scene: Scene) -> None:
         from matplotlib import colormaps, font_manager
         from PIL import ImageFont
 
-        plane = film.plane
-        width, height = film.box[plane.across], film.box[plane.up]
-        self.film = film
+        plane = scene.plane
+        width, height = scene.box[plane.across], scene.box[plane.up]
+        self.scene = scene
         self.scale = min(_HIGHEST / height, _WIDEST / width)   # pixels a metre
         self.size = (2 * round(0.5 * self.scale * width), 2 * round(0.5 * self.scale * height))
         self.colours = (255 * colormaps[FLOW_MAP](np.linspace(0.0, 1.0, 256))[:, :3]).astype(np.uint8)
-        self.top = film.slices.top_speed if film.slices is not None else 0.0
-        if film.slices is not None:
-            rows, columns = film.slices.speed.shape[1:]
+        self.top = scene.slices.top_speed if scene.slices is not None else 0.0
+        if scene.slices is not None:
+            rows, columns = scene.slices.speed.shape[1:]
             self.spread = _spread(rows, self.size[1]), _spread(columns, self.size[0])
         face = font_manager.findfont("DejaVu Sans")
         self.fonts = ImageFont.truetype(face, 14), ImageFont.truetype(face, 12)
@@ -173,7 +174,7 @@ class _Canvas:
         self.frame = self._frame()
 
     def _body_colours(self) -> Floats:
-        count = len(self.film.diameter)
+        count = len(self.scene.diameter)
         names = [PALETTE[n % len(PALETTE) if count <= _FEW else 0] for n in range(count)]
         colours = [[int(name[i : i + 2], 16) for i in (1, 3, 5)] for name in names]
         return np.array(colours, float).reshape(-1, 3)
@@ -183,7 +184,7 @@ class _Canvas:
         from PIL import Image, ImageDraw
 
         width = max(self.size[0], _NARROWEST)
-        lines = textwrap.wrap(self.film.title, max(20, (width - 20) // 8))[:3]
+        lines = textwrap.wrap(self.scene.title, max(20, (width - 20) // 8))[:3]
         self.corner = ((width - self.size[0]) // 2, _LINE * (len(lines) + 1) + 12)
         bar = _BAR if self.top > 0.0 else 10
         bar += (self.corner[1] + bar) % 2   # the encoder wants an even height
@@ -213,7 +214,7 @@ class _Canvas:
 
     def background(self, time: float) -> Pixels:
         """The flow at a time, rows from the top: (height, width, 3)."""
-        slices = self.film.slices
+        slices = self.scene.slices
         if slices is None:
             return np.full((self.size[1], self.size[0], 3), 244, np.uint8)
         after = int(np.clip(np.searchsorted(slices.times, time), 0, len(slices.times) - 1))
@@ -228,21 +229,21 @@ class _Canvas:
 
     def draw_spheres(self, picture: Pixels, centres: Floats, turned: Floats) -> None:
         """Draw the spheres, far ones first; those the plane does not cut are faded in a crowd, left out in a mass."""
-        film, plane = self.film, self.film.plane
+        scene, plane = self.scene, self.scene.plane
         across, up = np.eye(3)[plane.across], np.eye(3)[plane.up]
         view = np.stack([across, up, np.cross(across, up)])   # box axes to right, up, towards the viewer
         depth = centres[:, plane.normal] - plane.position
-        if film.period[plane.normal] > 0.0:
-            depth = depth - film.period[plane.normal] * np.rint(depth / film.period[plane.normal])
+        if scene.period[plane.normal] > 0.0:
+            depth = depth - scene.period[plane.normal] * np.rint(depth / scene.period[plane.normal])
         near = depth * view[2, plane.normal]
         axis = [plane.across, plane.up]
-        for copy in periodic_copies(centres[:, axis], film.period[axis]):
+        for copy in periodic_copies(centres[:, axis], scene.period[axis]):
             order = np.argsort(near)
             if len(near) > _MANY:   # the rest would hide the plane, and take minutes to draw
-                order = order[np.abs(depth[order]) <= 0.5 * np.asarray(film.diameter)[order]]
+                order = order[np.abs(depth[order]) <= 0.5 * np.asarray(scene.diameter)[order]]
             for n in order:
-                faded = len(near) > _FEW and abs(depth[n]) > 0.5 * film.diameter[n]
-                radius = 0.5 * self.scale * film.diameter[n]
+                faded = len(near) > _FEW and abs(depth[n]) > 0.5 * scene.diameter[n]
+                radius = 0.5 * self.scale * scene.diameter[n]
                 self._draw_sphere(picture, self.scale * copy[n], radius, view @ turned[n], n, faded)
 
     def _draw_sphere(
@@ -259,8 +260,8 @@ class _Canvas:
         distance = np.sqrt(x**2 + y**2)
         cover = np.clip((1.0 - distance) * radius + 0.5, 0.0, 1.0)   # one pixel of soft edge
         z = np.sqrt(np.maximum(1.0 - distance**2, 0.0))
-        side = turned[0, 0] * x + turned[1, 0] * y + turned[2, 0] * z   # along the body's first axis
-        tone = np.clip(0.5 + 0.5 * radius * side, 0.0, 1.0)[..., None]
+        along = turned[0, 0] * x + turned[1, 0] * y + turned[2, 0] * z   # the body's first axis
+        tone = np.clip(0.5 + 0.5 * radius * along, 0.0, 1.0)[..., None]
         base = self.body_colours[number]
         shade = (0.55 + 0.5 * np.maximum(_LIGHT[0] * x + _LIGHT[1] * y + _LIGHT[2] * z, 0.0))[..., None]
         ball = np.minimum(shade * (tone * base + (1.0 - tone) * (0.4 * base + 150.0)), 255.0)

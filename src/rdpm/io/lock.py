@@ -9,19 +9,17 @@ from pathlib import Path
 
 from rdpm.errors import CaseError
 
-__all__ = ["LOCK_NAME", "locked"]
-
-LOCK_NAME = "run.lock"
+__all__ = ["locked"]
 
 
 @contextmanager
-def locked(folder: str | Path) -> Iterator[None]:
+def locked(path: str | Path) -> Iterator[None]:
     """Hold a run's folder against a second run.
 
     Parameters
     ----------
-    folder : path
-        Must exist.
+    path : path
+        Of the lock, a file in that folder, which must exist.
 
     Raises
     ------
@@ -36,20 +34,20 @@ def locked(folder: str | Path) -> Iterator[None]:
     Examples
     --------
     >>> import tempfile
-    >>> folder = Path(tempfile.mkdtemp())
-    >>> with locked(folder):
-    ...     int((folder / LOCK_NAME).read_text()) == os.getpid()
+    >>> lock = Path(tempfile.mkdtemp()) / "run.lock"
+    >>> with locked(lock):
+    ...     int(lock.read_text()) == os.getpid()
     True
-    >>> any(folder.iterdir())
+    >>> lock.exists()
     False
     """
-    path = Path(folder) / LOCK_NAME
+    path = Path(path)
     try:
         handle = _open_locked(path)
     except OSError as error:
         reason = error.strerror or str(error)
         raise CaseError(
-            str(folder), None, "must be a folder to write to", reason, "Name another with --out."
+            str(path.parent), None, "must be a folder to write to", reason, "Name another with --out."
         ) from None
     try:
         with suppress(OSError):

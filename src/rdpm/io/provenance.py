@@ -15,7 +15,6 @@ import numpy as np
 import rdpm
 from rdpm.errors import CaseError
 from rdpm.io.files import replacing
-from rdpm.parallel.threads import available_threads
 
 __all__ = ["environment", "peak_memory_bytes", "read_json", "write_json"]
 
@@ -26,13 +25,12 @@ def environment() -> dict[str, Any]:
     Returns
     -------
     dict
-        ``rdpm_version``, ``python``, ``numpy``, ``platform``, ``cpu``, ``threads`` (those OpenMP would
-        take), ``date_utc`` (ISO 8601).
+        ``rdpm_version``, ``python``, ``numpy``, ``platform``, ``cpu``, ``date_utc`` (ISO 8601).
 
     Examples
     --------
     >>> sorted(environment())
-    ['cpu', 'date_utc', 'numpy', 'platform', 'python', 'rdpm_version', 'threads']
+    ['cpu', 'date_utc', 'numpy', 'platform', 'python', 'rdpm_version']
     """
     return {
         "rdpm_version": rdpm.__version__,
@@ -40,7 +38,6 @@ def environment() -> dict[str, Any]:
         "numpy": np.__version__,
         "platform": platform.platform(),
         "cpu": _cpu(),
-        "threads": available_threads(),
         "date_utc": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 

@@ -44,8 +44,8 @@ def sphere_surface(level: int) -> tuple[Floats, NDArray[np.int64]]:
 
 
 def _split(points: Floats, triangles: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
-    sides = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    unique, where = np.unique(sides, axis=0, return_inverse=True)
+    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    unique, where = np.unique(edges, axis=0, return_inverse=True)
     middle = points[unique].sum(axis=1)
     middle /= np.linalg.norm(middle, axis=1)[:, None]
     a, b, c = triangles.T

@@ -147,8 +147,8 @@ class FieldWriter:
         u = np.asarray(velocity, np.float32)
         p = np.asarray(pressure, np.float32)
         if u.shape != (*self.shape, 3) or p.shape != self.shape:
-            asked = f"must be {(*self.shape, 3)} and {self.shape}"
-            raise ValueError(f"velocity {u.shape}, pressure {p.shape}: {asked}")
+            rule = f"must be {(*self.shape, 3)} and {self.shape}"
+            raise ValueError(f"velocity {u.shape}, pressure {p.shape}: {rule}")
         with appending(self.path, u.nbytes + p.nbytes) as root:
             step = int(root["Steps"].attrs["NSteps"])
             for name, values in (("velocity", u), ("pressure", p)):

@@ -1,1 +1,1 @@
-"""How the work is shared: threads within a process."""
+"""How the work is shared: threads within a process, and processes."""

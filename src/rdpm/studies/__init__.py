@@ -1,1 +1,1 @@
-"""What runs show: phases of a pair, sweeps of parameters."""
+"""Studies made of many runs: published cases, speed."""

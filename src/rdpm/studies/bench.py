@@ -83,8 +83,8 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
         pass from the velocity of the fluid at a marker to its force on the fluid, and ``us_per_marker_step``, all
         that bodies cost in a step. Of each the median over the steps.
     """
-    make, asked = CASES[name]
-    threads = asked or available_threads()
+    make, requested = CASES[name]
+    threads = requested or available_threads()
     simulation = Simulation(load_case(make()), threads)
     for _ in range(WARM_UP):
         simulation.advance()

@@ -1,10 +1,10 @@
 """A glass bead released from rest in water, Re 41.
 
 Measured by Mordant and Pinton, Eur. Phys. J. B 18 (2000) 343-352: d = 0.5 mm, density ratio 2.56. The viscosity is the
-one that makes the measured final speed Re 41. The box is a column of 16 x 16 x 32 diameters with free-slip sides; 95 %
-of the final speed is reached after some 7 diameters. The drag at the final speed is compared with the one that solvers
-on grids fitted to a sphere give for an unbounded flow as well, since the viscosity of the experiment is known from its
-Reynolds number only.
+one that makes the measured final speed Re 41. The box is a column of 16 x 16 x 32 diameters with free-slip boundaries;
+95 % of the final speed is reached after some 7 diameters. The drag at the final speed is compared with the one that
+solvers on grids fitted to a sphere give for an unbounded flow as well, since the viscosity of the experiment is known
+from its Reynolds number only.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ def mordant_pinton(quick: bool, tell: Tell) -> Found:
         "A bead released from rest, Re 41",
         "time / sqrt(d/g)",
         "speed / sqrt(g d)",
-        "Glass in water, d = 0.5 mm, density ratio 2.56; column of 16 x 16 x 32 diameters, free-slip sides",
+        "Glass in water, d = 0.5 mm, density ratio 2.56; column of 16 x 16 x 32 diameters, free-slip boundaries",
         curves,
     )
 

@@ -1,9 +1,9 @@
-r"""Approach in Stokes flow, to a wall and of two equal spheres: what the grid resolves, and what the film model adds.
+r"""Approach in Stokes flow, to a wall and of two equal spheres: what the grid resolves, and what lubrication adds.
 
 Bodies move at a given speed, so slowly that they hardly change place, at one gap after another; the hydrodynamic force
-over :math:`6\pi\mu aU` is the resolved resistance. With the film of `rdpm.contacts.Lubrication` at the same gap it is
-compared with the exact series of Brenner, Chem. Eng. Sci. 16 (1961) 242-251 (wall) and Maude, Brit. J. Appl. Phys. 12
-(1961) 293-295 (two spheres). Wide gaps feel the box too.
+over :math:`6\pi\mu aU` is the resolved resistance. With the correction of `rdpm.contacts.Lubrication` at the same gap
+it is compared with the exact series of Brenner, Chem. Eng. Sci. 16 (1961) 242-251 (wall) and Maude, Brit. J. Appl.
+Phys. 12 (1961) 293-295 (two spheres). Wide gaps feel the box too.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from rdpm.setup.build import lubrication_correction
 from rdpm.studies.validation.points import points
 from rdpm.studies.validation.result import Chart, Curve, Found, Row, Tell
 
-__all__ = ["near_contact", "resolved_resistance"]
+__all__ = ["lubrication_resistance", "near_contact", "resolved_resistance"]
 
 SOURCE = {"wall": "Brenner 1961", "spheres": "Maude 1961"}
 
@@ -33,7 +33,7 @@ START, NEXT = 12.0, 2.5
 #: Offsets from a corner of a cell, lateral ones and, for two spheres, that of their middle [cells]; means are shown.
 OFFSETS = ((0.125, 0.375, 0.2), (0.5, 0.0, 0.45))
 
-#: Sides of the box [diameters].
+#: Edges of the box [diameters].
 BOX = (7.0, 7.0, 6.0)
 
 
@@ -56,7 +56,7 @@ def resolved_resistance(
         Of the sphere, or of the middle of two, from a corner of a cell; the third only of two.
     """
     speed = 1e-7
-    x, y = (0.5 * side + o / across for side, o in zip(BOX[:2], offset[:2], strict=True))
+    x, y = (0.5 * edge + o / across for edge, o in zip(BOX[:2], offset[:2], strict=True))
     is_wall = pair == "wall"
     size = [*BOX[:2], BOX[2] if is_wall else BOX[2] + 1.0]
 
@@ -64,7 +64,7 @@ def resolved_resistance(
         # two spheres: half of the gap is between cells, so that neither sits like the other on the grid
         if is_wall:
             return [0.5 + 0.5 * gap]
-        return [0.5 * size[2] + side * (0.5 + 0.25 * gap) + offset[2] / across for side in (1, -1)]
+        return [0.5 * size[2] + sign * (0.5 + 0.25 * gap) + offset[2] / across for sign in (1, -1)]
 
     bodies = [
         {
@@ -79,7 +79,7 @@ def resolved_resistance(
         "domain": {"size": size, "boundary": {"x": "periodic", "y": "periodic"}, "gravity": [0, 0, 0]},
         "fluid": {"density": 1.0, "kinematic_viscosity": 1.0},
         "bodies": bodies,
-        "resolution": {"cells": [round(side * across) for side in size]},
+        "resolution": {"cells": [round(edge * across) for edge in size]},
         "time": {"end": 100.0, "step": step / across**2, "diffusion": "stabilised"},
         "contact": {"stiffness": 1.0, "restitution": 0.9, "lubrication": False},
     }
@@ -96,8 +96,8 @@ def resolved_resistance(
     return np.array(found)
 
 
-def film(pair: str, across: float, gaps: tuple[float, ...]) -> NDArray[np.float64]:
-    """Resistance the film model adds, over 6 pi mu a."""
+def lubrication_resistance(pair: str, across: float, gaps: tuple[float, ...]) -> NDArray[np.float64]:
+    """Resistance the lubrication correction adds, over 6 pi mu a."""
     model = lubrication_correction(1.0, 1.0 / across)
     radius_j = np.inf if pair == "wall" else 0.5
     per_closing = model.resistance(0.5 * np.array(gaps), 0.5, radius_j) / (3.0 * np.pi)
@@ -118,11 +118,11 @@ def near_contact(quick: bool, tell: Tell) -> Found:
             tell(f"{pair}, {across} cells a diameter")
             places = OFFSETS[:1] if quick else OFFSETS
             resolved = np.mean([resolved_resistance(pair, across, gaps, STEP, place) for place in places], axis=0)
-            total = resolved + film(pair, across, gaps)
+            total = resolved + lubrication_resistance(pair, across, gaps)
             for g, alone, both in zip(gaps, resolved, total, strict=True):
                 reference = float(exact[gap == g][0])
                 yield Row(
-                    f"{pair}, gap {g:g} a, {across} cells/d (resolved {alone:.3g}, film {both - alone:.3g})",
+                    f"{pair}, gap {g:g} a, {across} cells/d (resolved {alone:.3g}, lubrication {both - alone:.3g})",
                     float(both),
                     reference,
                     BAND if across == 16 else None,
@@ -130,7 +130,7 @@ def near_contact(quick: bool, tell: Tell) -> Found:
                 )
             curves += [
                 Curve(f"resolved, {across} cells a diameter", np.array(gaps), resolved),
-                Curve("  with the film", np.array(gaps), total),
+                Curve("  with lubrication", np.array(gaps), total),
             ]
         for step in () if quick or pair == "spheres" else OTHER_STEPS:
             tell(f"{pair}, 8 cells a diameter, nu dt / h^2 = {step:g}")

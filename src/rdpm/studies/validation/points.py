@@ -45,8 +45,8 @@ def crossing(x: Floats, y: Floats, level: float) -> float:
     >>> crossing(np.array([0.0, 1.0, 2.0]), np.array([3.0, 1.0, 0.0]), 2.0)
     0.5
     """
-    side = np.sign(y - level)
-    at = np.flatnonzero(side[1:] != side[:-1])
+    sign = np.sign(y - level)
+    at = np.flatnonzero(sign[1:] != sign[:-1])
     if not at.size:
         return float("nan")
     n = int(at[0])

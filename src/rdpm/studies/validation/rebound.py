@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 
 DIAMETER, SPEED, RESTITUTION = 3e-3, 0.585, 0.97
 
-#: Horizontal sides of the box, and start of the centre above the floor [diameters].
+#: Horizontal edges of the box, and start of the centre above the floor [diameters].
 ACROSS, START = (16.0 / 3.0, 16.0 / 3.0), 12.5
 
 #: Time after impact that holds three rebounds, and the top of the first [s].
@@ -62,7 +62,7 @@ def bounces(
         Height of the centre at first; the box ends 2.5 diameters above.
     """
     h = DIAMETER / across
-    size = [side * DIAMETER for side in (*ACROSS, start + 2.5)]
+    size = [edge * DIAMETER for edge in (*ACROSS, start + 2.5)]
     center = [0.5 * size[0] + offset * h, 0.5 * size[1] + offset * h, start * DIAMETER + offset * h]
     ramp = 1e-3
     case = {

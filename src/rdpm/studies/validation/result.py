@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+from rdpm.figures.validation import Chart, Curve
 
 __all__ = ["Chart", "Curve", "Found", "Row", "Tell"]
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -71,39 +68,6 @@ class Row:
             "ok": self.ok,
             "source": self.source,
         }
-
-
-@dataclass(frozen=True)
-class Curve:
-    """Points of a chart: a line, or marks where they were measured."""
-
-    label: str
-    x: Floats
-    y: Floats
-    is_measured: bool = False
-
-
-@dataclass(frozen=True)
-class Chart:
-    """Curves to be drawn together.
-
-    Parameters
-    ----------
-    name : str
-        Of the file.
-    title, x_label, y_label, caption : str
-        Labels with units; the caption says what was run.
-    log_x, log_y : bool
-    """
-
-    name: str
-    title: str
-    x_label: str
-    y_label: str
-    caption: str
-    curves: list[Curve] = field(default_factory=list)
-    log_x: bool = False
-    log_y: bool = False
 
 
 Found = Iterator[Row | Chart]

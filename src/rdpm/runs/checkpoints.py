@@ -15,14 +15,13 @@ from rdpm.coupling.system import System
 from rdpm.errors import CheckpointError
 from rdpm.io.checkpoint import read_checkpoint, read_facts, write_checkpoint
 from rdpm.io.files import reporting
+from rdpm.results.run_folder import RunFolder
+from rdpm.runs.recorder import Recorder
 from rdpm.simulation.guards import check_divergence
-from rdpm.simulation.recorder import Recorder
 from rdpm.simulation.schedule import Every
 from rdpm.simulation.time_loop import TimeLoop
 
-__all__ = ["FOLDER", "Checkpoints", "Saved", "discard_later", "load_newest", "restore"]
-
-FOLDER = "checkpoints"
+__all__ = ["Checkpoints", "Saved", "discard_later", "load_newest", "restore"]
 
 #: Wall time between two checkpoints, [s].
 WALL_INTERVAL = 300.0
@@ -91,8 +90,8 @@ class Checkpoints:
     ----------
     simulation : TimeLoop
     recorder : Recorder
-    folder : Path
-        The run's; ``checkpoints`` is made in it.
+    folder : RunFolder
+        Its folder of checkpoints is made.
     case : str
         The case as TOML; another one cannot continue from here.
     every : float, [s]
@@ -102,12 +101,18 @@ class Checkpoints:
     """
 
     def __init__(
-        self, simulation: TimeLoop, recorder: Recorder, folder: Path, case: str, every: float = 0.0, kept: int = 2
+        self,
+        simulation: TimeLoop,
+        recorder: Recorder,
+        folder: RunFolder,
+        case: str,
+        every: float = 0.0,
+        kept: int = 2,
     ) -> None:
         self._simulation, self._recorder, self._case, self._kept = simulation, recorder, case, kept
-        self._folder = folder / FOLDER
-        with reporting(self._folder):
-            self._folder.mkdir(exist_ok=True)
+        self._folder = folder
+        with reporting(folder.checkpoints):
+            folder.checkpoints.mkdir(exist_ok=True)
         self._every = Every(every)
         self._every.is_due(simulation.time)
         self._due = clock.monotonic() + WALL_INTERVAL
@@ -150,9 +155,9 @@ class Checkpoints:
             "max_divergence": simulation.max_divergence,
             "recorder": record,
         }
-        write_checkpoint(self._folder / f"step-{system.steps:09d}.checkpoint", arrays, facts)
+        write_checkpoint(self._folder.checkpoint(system.steps), arrays, facts)
         self._written = system.steps
-        for older in _files(self._folder)[: -self._kept]:
+        for older in self._folder.checkpoint_files()[: -self._kept]:
             older.unlink(missing_ok=True)
         end = clock.monotonic()
         self._due = end + max(WALL_INTERVAL, COST_RATIO * (end - begin))
@@ -180,13 +185,12 @@ def restore(simulation: TimeLoop, saved: Saved, is_same_run: bool = True) -> Non
         system.watch.seconds.update(saved.facts["parts_s"])
 
 
-def load_newest(folder: Path, tell: Callable[[str], None], at: float | None = None) -> Saved:
+def load_newest(folder: RunFolder, tell: Callable[[str], None], at: float | None = None) -> Saved:
     """Read the newest good checkpoint of a run.
 
     Parameters
     ----------
-    folder : Path
-        The run's.
+    folder : RunFolder
     tell : callable
         Gets a sentence about each spoiled one that was passed over.
     at : float, optional, [s]
@@ -197,13 +201,13 @@ def load_newest(folder: Path, tell: Callable[[str], None], at: float | None = No
     CheckpointError
         There is none, or none is good; the message says which.
     """
-    found = _files(folder / FOLDER)
+    found = folder.checkpoint_files()
     times: list[float] = []
     spoiled = 0
     for path in reversed(found):
         try:
             time = float(read_facts(path)["time_s"])
-            # A step ends within round-off of the time asked.
+            # A step ends within round-off of its target.
             if at is not None and time > at * (1.0 + 1e-9):
                 times.append(time)
                 continue
@@ -227,8 +231,3 @@ def discard_later(saved: Saved) -> None:
     for path in saved.path.parent.iterdir():
         if path.name.startswith(".step-") or (path.suffix == saved.path.suffix and path.name > saved.path.name):
             path.unlink(missing_ok=True)
-
-
-def _files(folder: Path) -> list[Path]:
-    """Oldest first."""
-    return sorted(folder.glob("step-*.checkpoint"))

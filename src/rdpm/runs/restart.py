@@ -10,7 +10,7 @@ from rdpm.config.case import Case
 from rdpm.config.load import load_case
 from rdpm.config.write import case_to_toml
 from rdpm.errors import CaseError, CheckpointError
-from rdpm.simulation.checkpoints import Saved
+from rdpm.runs.checkpoints import Saved
 
 __all__ = ["case_to_branch", "case_to_continue"]
 
@@ -20,12 +20,12 @@ _AUTOMATIC = ("time.step", "time.diffusion")  # chosen when the run began
 _FREE_IN_A_BRANCH = ("title", "time", "output", "contact")
 
 
-def case_to_continue(asked: Case, saved: Saved, tell: Callable[[str], None]) -> Case:
+def case_to_continue(requested: Case, saved: Saved, tell: Callable[[str], None]) -> Case:
     """The case with which a run continues bit-identically.
 
     Parameters
     ----------
-    asked : Case
+    requested : Case
         As given now; its end, its report and its checkpoints count.
     saved : Saved
     tell : callable
@@ -41,7 +41,7 @@ def case_to_continue(asked: Case, saved: Saved, tell: Callable[[str], None]) -> 
         It is another case; the differences are named.
     """
     began = load_case(tomllib.loads(saved.case))
-    different = list(_differences(began, asked))
+    different = list(_differences(began, requested))
     refused = [
         (key, was, now)
         for key, was, now in different
@@ -59,10 +59,10 @@ def case_to_continue(asked: Case, saved: Saved, tell: Callable[[str], None]) -> 
         if key in _KEPT:
             tell(f"note: {key} stays {was:g} s in a run that continues, not {now:g} s")
     kept = {name: getattr(began.output, name) for name in ("table_every", "fields_every")}
-    update: dict[str, Any] = {"title": asked.title, "output": asked.output.model_copy(update=kept)}
+    update: dict[str, Any] = {"title": requested.title, "output": requested.output.model_copy(update=kept)}
     is_adaptive = began.time.step == "adaptive"
-    if asked.time.end != began.time.end:
-        update["time"] = began.time.model_copy(update={"end": asked.time.end, **_same_steps(saved, is_adaptive)})
+    if requested.time.end != began.time.end:
+        update["time"] = began.time.model_copy(update={"end": requested.time.end, **_same_steps(saved, is_adaptive)})
     if is_adaptive:
         update["time"] = update.get("time", began.time).continued(float(saved.facts["contact_step_s"]))
     return began.model_copy(update=update)
@@ -76,12 +76,12 @@ def _same_steps(saved: Saved, is_adaptive: bool) -> dict[str, Any]:
     return same
 
 
-def case_to_branch(asked: Case, saved: Saved) -> Case:
+def case_to_branch(requested: Case, saved: Saved) -> Case:
     """The case of a new run that starts from a checkpoint of another, with changed parameters.
 
     Parameters
     ----------
-    asked : Case
+    requested : Case
         Its time, contact and output may be others.
     saved : Saved
 
@@ -97,7 +97,7 @@ def case_to_branch(asked: Case, saved: Saved) -> Case:
         It would end before it starts.
     """
     began = load_case(tomllib.loads(saved.case))
-    refused = [item for item in _differences(began, asked) if not _is_in(item[0], _FREE_IN_A_BRANCH)]
+    refused = [item for item in _differences(began, requested) if not _is_in(item[0], _FREE_IN_A_BRANCH)]
     if refused:
         raise CheckpointError(
             str(saved.path),
@@ -106,12 +106,12 @@ def case_to_branch(asked: Case, saved: Saved) -> Case:
             _named(refused),
             "Only contact, time and output may change; name the other run's folder as CASE to take its case.",
         )
-    if not asked.time.end > saved.time:
+    if not requested.time.end > saved.time:
         raise CaseError(
-            "time.end", f"{asked.time.end:g} s", f"must be later than the checkpoint, at {saved.time:.6g} s",
+            "time.end", f"{requested.time.end:g} s", f"must be later than the checkpoint, at {saved.time:.6g} s",
             cure="Raise it with --set time.end, or take an earlier checkpoint with --at.",
         )
-    return asked
+    return requested
 
 
 def _differences(one: Case, other: Case) -> Iterator[tuple[str, Any, Any]]:

@@ -40,7 +40,7 @@ class DktPhases:
         Kisses closer than one contact time are one.
     tumble_time_s : float or None
         Line of centres past 45 degrees from gravity, after the first kiss began.
-    final_angle_deg : float
+    final_angle_deg : float or None
         From the line against gravity to the line from the sphere that led at first to the other: 0 as
         at a start one above the other, 90 side by side, 180 when they have changed places.
     drafting_time_s : float or None
@@ -52,8 +52,8 @@ class DktPhases:
     kiss_duration_s: float | None
     kisses: int
     tumble_time_s: float | None
-    final_angle_deg: float
-    drafting_time_s: float | None
+    final_angle_deg: float | None
+    drafting_time_s: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """The phases by name, as in summary.json."""
@@ -208,7 +208,7 @@ def _separation(first: Floats, second: Floats, period: ArrayLike | None) -> Floa
 
 
 def _speed(t: Floats, position: Floats, period: ArrayLike | None) -> Floats:
-    moved = _separation(position[:-1], position[1:], period)   # a jump through a periodic side is none
+    moved = _separation(position[:-1], position[1:], period)   # a jump through a periodic boundary is none
     path = np.concatenate([np.zeros((1, 3)), np.cumsum(moved, axis=0)])
     return np.asarray(np.linalg.norm(np.gradient(path, t, axis=0), axis=1))
 

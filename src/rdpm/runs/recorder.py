@@ -13,20 +13,13 @@ from numpy.typing import NDArray
 from rdpm.contacts import nearest_gaps
 from rdpm.errors import OutputError
 from rdpm.io.files import reporting
-from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, PARTICLE_COLUMNS, TIMING_COLUMNS, TableWriter
+from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, TableWriter
 from rdpm.io.vtkhdf import BodyWriter, FieldWriter
+from rdpm.results.run_folder import TABLES, RunFolder
 from rdpm.simulation.schedule import Every
 from rdpm.simulation.time_loop import TimeLoop
 
-__all__ = ["TABLES", "Recorder"]
-
-#: Names, without ending, and columns.
-TABLES = {
-    "particles": PARTICLE_COLUMNS,
-    "contacts": CONTACT_COLUMNS,
-    "history": HISTORY_COLUMNS,
-    "timing": TIMING_COLUMNS,
-}
+__all__ = ["Recorder"]
 
 Writer = TypeVar("Writer")
 
@@ -39,7 +32,7 @@ class Recorder:
     Parameters
     ----------
     simulation : TimeLoop
-    folder : Path
+    folder : RunFolder
         Must exist.
     table_every, fields_every : float, [s]
         Of simulated time; fields are not written at 0.
@@ -52,7 +45,7 @@ class Recorder:
     def __init__(
         self,
         simulation: TimeLoop,
-        folder: Path,
+        folder: RunFolder,
         table_every: float,
         fields_every: float,
         resumed: tuple[Mapping[str, NDArray[Any]], Mapping[str, Any]] | None = None,
@@ -70,7 +63,7 @@ class Recorder:
         with ExitStack() as files:
             at = facts.get("positions", {})
             writers = {
-                name: files.enter_context(TableWriter(folder / f"{name}.csv", columns, at.get(name)))
+                name: files.enter_context(TableWriter(folder.table(name), columns, at.get(name)))
                 for name, columns in TABLES.items()
             }
             self._flow = self._shapes = None
@@ -78,10 +71,10 @@ class Recorder:
             if fields_every > 0.0 and fluid:
                 cells, spacing = fluid.grid.cells, fluid.grid.spacing
                 self._flow = _continued(
-                    folder / "fields.vtkhdf", until, note, lambda path, keep: FieldWriter(path, cells, spacing, keep)
+                    folder.fields, until, note, lambda path, keep: FieldWriter(path, cells, spacing, keep)
                 )
             if fields_every > 0.0 and len(bodies):
-                self._shapes = _continued(folder / "bodies.vtkhdf", until, note, BodyWriter)
+                self._shapes = _continued(folder.bodies, until, note, BodyWriter)
             self._particles, self._contacts, self._history, self._timing = writers.values()
             self._writers = writers
             if resumed:

@@ -1,4 +1,4 @@
-"""A case from its first step to its tables and summary; and from a checkpoint on."""
+"""A case from its first step to its tables, summary and report; and from a checkpoint on."""
 
 from __future__ import annotations
 
@@ -10,21 +10,18 @@ from rdpm.config.case import Case
 from rdpm.config.write import case_to_toml
 from rdpm.errors import CaseError, CheckpointError, GuardError, RdpmError
 from rdpm.io.files import replacing, reporting
-from rdpm.io.lock import LOCK_NAME, locked
-from rdpm.io.provenance import read_json, write_json
+from rdpm.io.lock import locked
+from rdpm.parallel.ranks import working_ranks
+from rdpm.results.run_folder import RunFolder
+from rdpm.results.summary import Summary, read_summary, write_summary
+from rdpm.runs.checkpoints import Checkpoints, Saved, discard_later, load_newest, restore
+from rdpm.runs.recorder import Recorder
+from rdpm.runs.restart import case_to_branch, case_to_continue
+from rdpm.runs.stopping import Interrupted, listening
+from rdpm.runs.summary import summarise
 from rdpm.setup import Plan, Simulation
-from rdpm.simulation.checkpoints import FOLDER, Checkpoints, Saved, discard_later, load_newest, restore
-from rdpm.simulation.recorder import TABLES, Recorder
-from rdpm.simulation.stopping import Interrupted, listening
-from rdpm.studies.restart import case_to_branch, case_to_continue
-from rdpm.studies.summary import summarise
 
 __all__ = ["Reporter", "run_case"]
-
-
-_FIRST_FILES = {FOLDER, LOCK_NAME, "case.toml", "run.log", "fields.vtkhdf", "bodies.vtkhdf"} | {
-    f"{name}.csv" for name in TABLES
-}
 
 
 class Reporter(Protocol):
@@ -39,25 +36,25 @@ class Reporter(Protocol):
     def note(self, text: str) -> None:
         """A warning."""
 
-    def finish(self, summary: dict[str, Any]) -> None:
-        """At the end."""
+    def finish(self, summary: Summary) -> None:
+        """At the end, before the report is made."""
 
 
 def run_case(
     case: Case,
-    folder: Path,
+    folder: str | Path,
     *,
     threads: int | None = None,
     reporter: Reporter | None = None,
     resume: bool = False,
     start: tuple[Path, float | None] | None = None,
-) -> dict[str, Any]:
-    """Run a case to its end; write its tables, fields, checkpoints and summary into a folder.
+) -> Summary:
+    """Run a case to its end; write its tables, fields, checkpoints, summary and report into a folder.
 
     Parameters
     ----------
     case : Case
-    folder : Path
+    folder : path
         Exists; empty, or the folder of the run to be continued.
     threads : int, optional
     reporter : Reporter, optional
@@ -69,7 +66,7 @@ def run_case(
 
     Returns
     -------
-    dict
+    Summary
         What ``summary.json`` holds. Its ``status`` is "interrupted" where SIGINT, SIGTERM or SIGHUP ended the run: the
         step in hand was finished and a checkpoint written.
 
@@ -80,44 +77,71 @@ def run_case(
     GuardError, OutputError
         The run was stopped, or the disk is full; what was written stays, the last good checkpoint too.
     """
-    with locked(folder):
-        teller = _Teller(folder / "run.log", reporter)
-        saved = None
-        if resume and not _is_untouched(folder):
-            saved = load_newest(folder, teller.note)
-            case = case_to_continue(case, saved, teller.note)
-            done = _finished(folder, case, saved)
-            if done is not None:
-                teller.note(f"{folder}: the run is done, at t = {saved.time:.6g} s")
-                return done
-        elif resume:
-            teller.note(f"{folder} holds no run to continue: it begins here")
-        elif start is not None:
-            saved = load_newest(start[0], teller.note, start[1])
-            case = case_to_branch(case, saved)
-        return _Run(case, folder, threads, teller, saved, resume and saved is not None).to_end()
+    working_ranks()  # refuses several before anything is written
+    files = RunFolder(Path(folder))
+    with locked(files.lock):
+        teller = _Teller(files.log, reporter)
+        case, saved, summary = _start(case, files, teller, resume, start)
+        if summary is None:
+            summary = _Run(case, files, threads, teller, saved, resume and saved is not None).to_end()
+        if summary.status == "done" and case.output.report and not _is_reported(files):
+            _report(files, case.output.video, teller)
+        return summary
 
 
-def _is_untouched(folder: Path) -> bool:
+def _start(
+    case: Case, files: RunFolder, teller: _Teller, resume: bool, start: tuple[Path, float | None] | None
+) -> tuple[Case, Saved | None, Summary | None]:
+    """The case that is run, where from, and the summary of a run that has nothing left to do."""
+    if start is not None and not resume:
+        saved = load_newest(RunFolder(Path(start[0])), teller.note, start[1])
+        return case_to_branch(case, saved), saved, None
+    if not resume:
+        return case, None, None
+    if _is_untouched(files):
+        teller.note(f"{files} holds no run to continue: it begins here")
+        return case, None, None
+    saved = load_newest(files, teller.note)
+    case = case_to_continue(case, saved, teller.note)
+    done = _finished(files, case, saved)
+    if done is not None:
+        teller.note(f"{files}: the run is done, at t = {saved.time:.6g} s")
+    return case, saved, done
+
+
+def _is_untouched(files: RunFolder) -> bool:
     """Whether a run left no step behind; a folder with anything else in it is not one to write to."""
-    if any((folder / FOLDER).glob("step-*")):
+    if files.checkpoint_files():
         return False
     # The first checkpoint is written before the first step: what is there without one holds no result.
-    if all(path.name in _FIRST_FILES or path.name.startswith(".") for path in folder.iterdir()):
+    first = {files.case, files.log, files.lock, files.checkpoints, files.fields, files.bodies, *files.tables}
+    if all(path in first or path.name.startswith(".") for path in files.path.iterdir()):
         return True
     raise CheckpointError(
-        str(folder), None, "must be the folder of a run", "it holds files, but no checkpoint", "Name the run's folder."
+        str(files), None, "must be the folder of a run", "it holds files, but no checkpoint", "Name the run's folder."
     )
 
 
-def _finished(folder: Path, case: Case, saved: Saved) -> dict[str, Any] | None:
+def _finished(files: RunFolder, case: Case, saved: Saved) -> Summary | None:
     """The summary of a run that has nothing left to do."""
     if saved.time < case.time.end - 1e-6 * float(saved.facts["dt_s"]):
         return None
     with suppress(CaseError):
-        summary = read_json(folder / "summary.json")
-        return summary if summary.get("status") == "done" else None
+        summary = read_summary(files.summary)
+        return summary if summary.status == "done" else None
     return None
+
+
+def _is_reported(files: RunFolder) -> bool:
+    """Whether the report is that of the results, as in a run that was done already."""
+    report, summary = files.report, files.summary
+    return report.is_file() and summary.is_file() and report.stat().st_mtime_ns >= summary.stat().st_mtime_ns
+
+
+def _report(files: RunFolder, video: bool, teller: _Teller) -> None:
+    from rdpm.figures.report import make_report  # loads the libraries that draw
+
+    make_report(files.path, video=video, progress=lambda text: teller.tell("note", text))
 
 
 class _Teller:
@@ -156,22 +180,22 @@ class _Run:
     """One run from its start, or from a checkpoint, to its end."""
 
     def __init__(
-        self, case: Case, folder: Path, threads: int | None, teller: _Teller, saved: Saved | None, is_same: bool
+        self, case: Case, files: RunFolder, threads: int | None, teller: _Teller, saved: Saved | None, is_same: bool
     ) -> None:
-        self.case, self.folder, self.teller = case, folder, teller
+        self.case, self.files, self.teller = case, files, teller
         self.saved, self.is_same = saved, is_same
         self.simulation = Simulation(case, threads)
         if saved is not None:
             restore(self.simulation, saved, is_same)
             teller.note(f"{'continued' if is_same else 'started'} from {saved.path}, t = {saved.time:.6g} s")
 
-    def to_end(self) -> dict[str, Any]:
-        case, folder, simulation, saved = self.case, self.folder, self.simulation, self.saved
+    def to_end(self) -> Summary:
+        case, files, simulation, saved = self.case, self.files, self.simulation, self.saved
         text = case_to_toml(case)
         self.teller.begin()
-        with reporting(folder):
-            (folder / FOLDER).mkdir(exist_ok=True)
-        with replacing(folder / "case.toml") as temporary:
+        with reporting(files.path):
+            files.checkpoints.mkdir(exist_ok=True)
+        with replacing(files.case) as temporary:
             temporary.write_text(text, encoding="utf-8")
         self.teller.tell("start", simulation.plan)
         if not self.is_same:
@@ -180,10 +204,10 @@ class _Run:
         output = case.output
         resumed = (saved.part("recorder"), saved.facts["recorder"]) if saved is not None and self.is_same else None
         with Recorder(
-            simulation, folder, output.table_every or 0.0, output.fields_every or 0.0, resumed, self.teller.note
+            simulation, files, output.table_every or 0.0, output.fields_every or 0.0, resumed, self.teller.note
         ) as recorder:
             every = output.checkpoint_every or 0.0
-            checkpoints = Checkpoints(simulation, recorder, folder, text, every, output.checkpoints_kept)
+            checkpoints = Checkpoints(simulation, recorder, files, text, every, output.checkpoints_kept)
             if saved is not None and self.is_same:
                 discard_later(saved)
             else:
@@ -192,7 +216,7 @@ class _Run:
             status = self._advance(recorder, checkpoints)
             recorder.close()
         summary = self._summarise(recorder, status)
-        for warning in summary["warnings"]:
+        for warning in summary.warnings:
             self.teller.note(f"warning: {warning}")
         if status == "done":
             self.teller.tell("finish", summary)
@@ -223,15 +247,15 @@ class _Run:
             raise
         return status
 
-    def _summarise(self, recorder: Recorder, status: str) -> dict[str, Any]:
-        summary = summarise(self.simulation, recorder, self.folder, status)
-        write_json(self.folder / "summary.json", summary)
+    def _summarise(self, recorder: Recorder, status: str) -> Summary:
+        summary = summarise(self.simulation, recorder, self.files, status)
+        write_summary(self.files.summary, summary)
         return summary
 
     def _tell_last_good(self) -> None:
         with suppress(RdpmError):
-            last = load_newest(self.folder, lambda _: None)
-            folder = self.folder
+            last = load_newest(self.files, lambda _: None)
+            folder = self.files
             self.teller.note(
                 f"the last good checkpoint is at t = {last.time:.6g} s; to go on from there with other parameters: "
                 f"rdpm run {folder} --from {folder} --at {last.time:.6g} --set ..."

@@ -1,26 +1,24 @@
-"""What a run found, as ``summary.json`` holds it."""
+"""Making the summary of a run from its simulation."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rdpm.io.provenance import environment, peak_memory_bytes
 from rdpm.io.tables import read_table
+from rdpm.parallel.ranks import working_ranks
+from rdpm.results.dkt import DktPhases, from_particles_table
+from rdpm.results.run_folder import RunFolder
+from rdpm.results.summary import OVERLAP_WARNING, BodySummary, ContactDesign, ContactTotals, PairDesign, Summary
+from rdpm.runs.recorder import Recorder
 from rdpm.setup import Plan, Simulation
-from rdpm.simulation.recorder import Recorder
-from rdpm.studies.dkt import from_particles_table
 
 __all__ = ["summarise"]
 
-#: Overlap of the smaller diameter above which a run warns: the flow then sees bodies where there are none.
-OVERLAP_WARNING = 0.005
 
-
-def summarise(simulation: Simulation, recorder: Recorder, folder: Path, status: str) -> dict[str, Any]:
+def summarise(simulation: Simulation, recorder: Recorder, folder: RunFolder, status: str) -> Summary:
     """Collect what a run found.
 
     Parameters
@@ -28,39 +26,38 @@ def summarise(simulation: Simulation, recorder: Recorder, folder: Path, status: 
     simulation : Simulation
     recorder : Recorder
         Closed.
-    folder : Path
+    folder : RunFolder
         Where its tables are.
     status : str
         "done", "interrupted", or the guard that stopped it.
 
     Returns
     -------
-    dict
+    Summary
     """
-    case = simulation.case
-    contact = _contact(simulation)
-    summary: dict[str, Any] = {
-        "title": case.title,
+    contact, contacts = _contact(simulation), ContactTotals(**recorder.episodes)
+    return Summary(
+        title=simulation.case.title,
         **environment(),
-        "status": status,
+        status=status,
         **_grid_and_cost(simulation),
-        "bodies": _bodies(simulation, recorder),
-        "contact": contact,
-        "contacts": dict(recorder.episodes),
-    }
-    if len(simulation.bodies) == 2:
-        period = np.where(case.domain.is_periodic, case.domain.size, 0.0)
-        first, second = (float(d) for d in simulation.bodies.diameter)
-        phases = from_particles_table(
-            read_table(folder / "particles.csv"),
-            (first, second),
-            case.domain.gravity,
-            contact["contact_time_s"] or 0.0,
-            period,
-        )
-        summary["dkt"] = asdict(phases)
-    summary["warnings"] = _warnings(summary, simulation.plan)
-    return summary
+        bodies=_bodies(simulation, recorder),
+        contact=contact,
+        contacts=contacts,
+        dkt=_phases(simulation, folder, contact.contact_time_s or 0.0),
+        warnings=_warnings(contacts, simulation.plan),
+    )
+
+
+def _phases(simulation: Simulation, folder: RunFolder, contact_time: float) -> DktPhases | None:
+    """Of a pair."""
+    if len(simulation.bodies) != 2:
+        return None
+    domain = simulation.case.domain
+    period = np.where(domain.is_periodic, domain.size, 0.0)
+    first, second = (float(d) for d in simulation.bodies.diameter)
+    table = read_table(folder.table("particles"))
+    return from_particles_table(table, (first, second), domain.gravity, contact_time, period)
 
 
 def _grid_and_cost(simulation: Simulation) -> dict[str, Any]:
@@ -69,8 +66,8 @@ def _grid_and_cost(simulation: Simulation) -> dict[str, Any]:
     wall, steps = simulation.wall_seconds, simulation.steps
     spacing = fluid.grid.spacing if fluid else None
     return {
-        "cells": list(plan.cells) if plan.cells else None,
-        "spacing_m": list(spacing) if spacing else None,
+        "cells": tuple(plan.cells) if plan.cells else None,
+        "spacing_m": tuple(spacing) if spacing else None,
         "cells_per_diameter": float(bodies.diameter.min()) / max(spacing) if spacing and len(bodies) else None,
         "steps": steps,
         "time_s": simulation.time,
@@ -84,7 +81,7 @@ def _grid_and_cost(simulation: Simulation) -> dict[str, Any]:
         "ns_per_cell_step": 1e9 * wall / (cells * steps) if cells and steps else None,
         "parts_s": dict(simulation.system.watch.seconds),
         "threads": fluid.grid.threads if fluid else 1,
-        "ranks": 1,
+        "ranks": working_ranks(),
         "peak_memory_bytes": peak_memory_bytes(),
         "max_divergence": simulation.max_divergence if fluid else None,
     }
@@ -95,53 +92,53 @@ def _contact_step(simulation: Simulation) -> float:
     return simulation.step_control.contact_step if simulation.step_control else simulation.dt
 
 
-def _bodies(simulation: Simulation, recorder: Recorder) -> list[dict[str, Any]]:
+def _bodies(simulation: Simulation, recorder: Recorder) -> tuple[BodySummary, ...]:
     bodies = simulation.bodies
-    return [
-        {
-            "id": n,
-            "diameter_m": float(bodies.diameter[n]),
-            "density_kg_m3": float(bodies.density[n]),
-            "max_speed_m_s": float(recorder.max_speed[n]),
-            "final_position_m": bodies.position[n].tolist(),
-            "final_velocity_m_s": bodies.velocity[n].tolist(),
-        }
+    return tuple(
+        BodySummary(
+            id=n,
+            diameter_m=float(bodies.diameter[n]),
+            density_kg_m3=float(bodies.density[n]),
+            max_speed_m_s=float(recorder.max_speed[n]),
+            final_position_m=tuple(bodies.position[n].tolist()),
+            final_velocity_m_s=tuple(bodies.velocity[n].tolist()),
+        )
         for n in range(len(bodies))
-    ]
+    )
 
 
-def _contact(simulation: Simulation) -> dict[str, Any]:
-    asked = simulation.case.contact
+def _contact(simulation: Simulation) -> ContactDesign:
+    given = simulation.case.contact
     designs = [(pair.kind, pair.design) for pair in simulation.plan.pairs]
     times = [d.contact_time_s for _, d in designs if d.contact_time_s is not None]
     shortest = min(times) if times else None
-    restitution = asked.restitution if asked.restitution is not None or not designs else designs[0][1].restitution
-    return {
-        "model": asked.model,
-        "ending": asked.ending,
-        "contact_time_s": shortest,
-        "contact_steps": shortest / _contact_step(simulation) if shortest else None,
-        "restitution": restitution,
-        "friction": asked.friction,
-        "lubrication": asked.lubrication,
-        "pairs": [
-            {
-                "kind": kind,
-                "reduced_mass_kg": d.reduced_mass_kg,
-                "stiffness_N_m": d.stiffness_N_m,
-                "damping_N_s_m": d.damping_N_s_m,
-                "contact_time_s": d.contact_time_s,
-                "restitution": d.restitution,
-            }
+    restitution = given.restitution if given.restitution is not None or not designs else designs[0][1].restitution
+    return ContactDesign(
+        model=given.model,
+        ending=given.ending,
+        contact_time_s=shortest,
+        contact_steps=shortest / _contact_step(simulation) if shortest else None,
+        restitution=restitution,
+        friction=given.friction,
+        lubrication=given.lubrication,
+        pairs=tuple(
+            PairDesign(
+                kind=kind,
+                reduced_mass_kg=d.reduced_mass_kg,
+                stiffness_N_m=d.stiffness_N_m,
+                damping_N_s_m=d.damping_N_s_m,
+                contact_time_s=d.contact_time_s,
+                restitution=d.restitution,
+            )
             for kind, d in designs
-        ],
-    }
+        ),
+    )
 
 
-def _warnings(summary: dict[str, Any], plan: Plan) -> list[str]:
+def _warnings(contacts: ContactTotals, plan: Plan) -> tuple[str, ...]:
     """Where what happened lies outside what was designed."""
     warnings = []
-    overlap = summary["contacts"]["max_overlap_fraction"]
+    overlap = contacts.max_overlap_fraction or 0.0
     if overlap > OVERLAP_WARNING:
         warnings.append(
             f"the largest overlap was {100 * overlap:.3g} % of the diameter, above {100 * OVERLAP_WARNING:g} %: "
@@ -153,4 +150,4 @@ def _warnings(summary: dict[str, Any], plan: Plan) -> list[str]:
             f"the largest overlap was {100 * overlap:.3g} % of the diameter; the design expected "
             f"{100 * designed:.3g} % at the bodies' own speed: several bodies pressed together, or an impact was faster"
         )
-    return warnings
+    return tuple(warnings)
