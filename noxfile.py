@@ -44,3 +44,10 @@ def docs(session: nox.Session) -> None:
     """Build the documentation; a warning is an error."""
     session.install(".[docs]")
     session.run("sphinx-build", "-W", "-b", "html", "docs", "docs/_build/html")
+
+
+@nox.session
+def edits(session: nox.Session) -> None:
+    """Single edits of the coupled step: each must make a test fail. Once a release."""
+    session.install(".[test]")
+    session.run("python", ".ci/edits.py", *session.posargs)

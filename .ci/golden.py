@@ -149,9 +149,9 @@ def run(chosen: dict[str, tuple[str, list[str]]], folder: Path, names: Iterable[
         words = [case, "--out", str(folder / name), "--quiet"]
         for override in [*overrides, "output.report=false", "output.fields_every=0"]:
             words += ["--set", override]
-        code = f"import sys; from rdpm.cli.main import main; sys.argv[1:] = {['run', *words]!r}; raise SystemExit(main())"
+        code = "import sys; from rdpm.cli.main import main; sys.exit(main())"
         print(f"{name} ...", flush=True)
-        subprocess.run([sys.executable, "-c", code], check=True)
+        subprocess.run([sys.executable, "-c", code, "run", *words], check=True)
 
 
 def same(one: Path, other: Path) -> list[str]:
