@@ -95,8 +95,8 @@ class Contact(Model):
         if not isinstance(raw, dict):
             return raw
         filled = dict(raw)
-        if "poisson_ratio" not in raw:
-            filled.setdefault("tangential_ratio", _TANGENTIAL_RATIO)
+        if raw.get("poisson_ratio") is None and raw.get("tangential_ratio") is None:
+            filled["tangential_ratio"] = _TANGENTIAL_RATIO
         if "max_overlap" in raw and "impact_speed" in raw:
             filled.setdefault("restitution", _RESTITUTION)
         return filled

@@ -12,6 +12,7 @@ from rdpm.config.rule import RuleError
 
 __all__ = ["SIDES", "Boundary", "Domain", "Fluid", "WallVelocity"]
 
+#: Faces of the box, in the order of everything that has one entry a face.
 SIDES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
 
 Kind = Literal["wall", "periodic", "free-slip"]
@@ -82,27 +83,32 @@ class Domain(Model):
         x, y, z = (kind == "periodic" for kind in self.kinds)
         return x, y, z
 
+    @property
+    def wall_velocities(self) -> tuple[Vector, ...]:
+        """Velocity [m/s] of each face, in the order of `SIDES`; zero where none is given."""
+        return tuple(getattr(self.wall_velocity, face) or (0.0, 0.0, 0.0) for face in SIDES)
+
     @model_validator(mode="after")
     def _walls_slide(self) -> Domain:
-        for n, side in enumerate(SIDES):
-            velocity = getattr(self.wall_velocity, side)
+        for n, face in enumerate(SIDES):
+            velocity = getattr(self.wall_velocity, face)
             if velocity is None:
                 continue
             if self.kinds[n // 2] != "wall":
                 raise RuleError(
-                    f'must be left out where boundary.{side[0]} = "{self.kinds[n // 2]}"',
+                    f'must be left out where boundary.{face[0]} = "{self.kinds[n // 2]}"',
                     "only a wall moves",
-                    f'Set domain.boundary.{side[0]} = "wall".',
+                    f'Set domain.boundary.{face[0]} = "wall".',
                     value=velocity,
-                    at=("wall_velocity", side),
+                    at=("wall_velocity", face),
                 )
             if velocity[n // 2] != 0.0:
                 raise RuleError(
-                    f"must have no {side[0]} component",
+                    f"must have no {face[0]} component",
                     "a wall slides in its own plane",
                     f"Set component {n // 2} to 0.",
                     value=velocity,
-                    at=("wall_velocity", side),
+                    at=("wall_velocity", face),
                 )
         return self
 

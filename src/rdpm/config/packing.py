@@ -33,7 +33,7 @@ def place_at_random(
     box : ndarray, (3,), [m]
     periodic : ndarray of bool, (3,)
     min_gap : float, [m]
-        Least distance between surfaces, sides of the box included.
+        Least distance between surfaces, faces of the box included.
     seed : int
         The same seed gives the same centres.
     obstacles : tuple of ndarray (M, 3) and (M,), [m]
@@ -98,7 +98,7 @@ def _room(
     room = np.where(periodic, box, box - 2.0 * low)
     if (room < 0.0).any():
         raise RuleError(
-            "must leave room for a body and min_gap between the sides",
+            "must leave room for a body and min_gap between the faces",
             "the box is too narrow",
             "Lower min_gap, or enlarge domain.size.",
             at=("min_gap",),

@@ -172,7 +172,7 @@ def _check_sizes(diameter: Floats, group: NDArray[np.int64], domain: Domain) -> 
             why = (
                 "a body must not meet its own image"
                 if kind == "periodic"
-                else "it does not fit between the sides"
+                else "it does not fit between the faces"
             )
             raise RuleError(
                 f"must be at most {half} along {'xyz'[axis]}, {most:g} m",
@@ -202,7 +202,7 @@ def _check_inside(
             raise RuleError(
                 f"must lie inside the box: {what} reaches {name} = {end:.6g} m, the box {name} = 0 to "
                 f"{length:g} m",
-                "it starts beyond the side",
+                "it starts beyond the face",
                 f"Move it by {max(-end, end - length):.3g} m, or enlarge domain.size.",
                 value=tuple(float(f"{c:.6g}") for c in position[body]),
                 at=_place(groups, group, body),
