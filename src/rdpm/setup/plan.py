@@ -15,6 +15,7 @@ from rdpm.fluid.timestep import Choice
 from rdpm.grid.grid import choose_cells
 from rdpm.particles.seeding import marker_count
 from rdpm.setup.contact import PairKind, contact_law, contact_limit, kinds_of_pairs, pairs
+from rdpm.setup.plausible import implausible
 from rdpm.setup.rows import PlanRow, sections
 from rdpm.setup.scales import Scales, available_memory, memory_needed, scales
 from rdpm.setup.time_step import time_step
@@ -129,6 +130,8 @@ def plan(case: Case, contact_step: float | None = None) -> Plan:
     designed = pairs(case, kinds, law, step.dt, found.fall)
     steps = max(1, math.ceil(case.time.end / step.dt - 1e-6))
     rows = sections(case, cells, spacing, step, designed, found, memory, steps, markers)
+    if doubts := implausible(case, cells, steps):
+        rows.append(("Values hardly meant", doubts))
     return Plan(case, cells, step, law, designed, found, memory, steps, rows)
 
 
