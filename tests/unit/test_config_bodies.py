@@ -125,6 +125,15 @@ def test_packing_of_a_decade_of_sizes_keeps_its_gaps(periodic):
     assert np.concatenate([found[:between], *to_balls]).min() > 1e-5 * (1 - 1e-9)
 
 
+def test_a_slightly_larger_sphere_is_seen_two_cells_away():
+    """Sizes side by side may lie in two octaves; cells are made for the larger."""
+    box, walls, d = np.full(3, 12 * 2.0**-6), np.zeros(3, bool), 2.0**-6
+    placed = Placed(box, walls, 0.0, np.append(np.full(300, d), 1.05 * d), (np.empty((0, 3)), np.empty(0)))
+    placed.add(np.array([[0.999 * d, 3.5 * d, 3.5 * d]]), np.array([d]))
+    tried = np.array([[2.001 * d, 3.5 * d, 3.5 * d], [2.025 * d, 3.5 * d, 3.5 * d]])
+    assert placed.is_free(tried, np.full(2, 1.05 * d)).tolist() == [False, True]
+
+
 def test_work_of_a_packing_grows_as_its_bodies(monkeypatch):
     """Pairs looked at a body, of different sizes: as many in a box of eight times the volume."""
     looked = []

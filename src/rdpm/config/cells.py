@@ -7,10 +7,13 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Placed"]
+__all__ = ["LARGER", "Placed"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+#: Most that a sphere tried may be larger than one that was added.
+LARGER = 1.125
 
 _NONE = -1
 
@@ -59,12 +62,11 @@ class Placed:
     def _levels_of(self, diameter: Floats, least: float) -> dict[int, _Level]:
         """Cells for each octave of sizes, for spheres at least so large [m] to be tried beside them."""
         octaves, counts = np.unique(_octave(diameter), return_counts=True)
-        return {
-            int(octave): _Level(
-                self._box, self._periodic, max(float(np.exp2(octave)), least) + self._min_gap, int(count)
-            )
-            for octave, count in zip(octaves, counts, strict=True)
-        }
+        levels = {}
+        for octave, count in zip(octaves, counts, strict=True):
+            reach = max(0.5 * (1.0 + LARGER) * float(np.exp2(octave)), least) + self._min_gap
+            levels[int(octave)] = _Level(self._box, self._periodic, reach, int(count))
+        return levels
 
     def add(self, position: Floats, diameter: Floats) -> None:
         """Add spheres, (M, 3) and (M,), [m]."""
@@ -79,7 +81,10 @@ class Placed:
             levels[int(one)].add(ids[octave == one], position[octave == one], self._next)
 
     def is_free(self, position: Floats, diameter: Floats) -> NDArray[np.bool_]:
-        """Tell of spheres, (M, 3) and (M,), [m], no larger than any that was added, which keep clear of all there."""
+        """Tell which of some spheres, (M, 3) and (M,), [m], keep clear of all there.
+
+        None is over `LARGER` times one that was added.
+        """
         free = np.ones(len(diameter), dtype=bool)
         for level in (*self._obstacles.values(), *self._added.values()):
             tried, there = level.candidates(position)
@@ -114,17 +119,18 @@ class Placed:
 class _Level:
     """Cells of the spheres of one octave of sizes, each the head of a chain of ids.
 
-    Their sides are at least the largest distance at which such a sphere meets one no larger: 27 cells hold all.
+    Their edges are at least `reach` [m], the largest distance at which such a sphere meets one tried: 27 cells hold
+    all it can meet.
     """
 
-    def __init__(self, box: Floats, periodic: NDArray[np.bool_], side: float, count: int) -> None:
-        shape = np.clip(np.floor(box / side), 1, 1 << 20).astype(np.int64)
+    def __init__(self, box: Floats, periodic: NDArray[np.bool_], reach: float, count: int) -> None:
+        shape = np.clip(np.floor(box / reach), 1, 1 << 20).astype(np.int64)
         while np.prod(shape) > 8 * count + 64:  # no more cells than a few for each sphere
             shape = np.maximum(1, shape // 2)
         self._shape, self._periodic, self._scale = shape, periodic, shape / box
         self._head = np.full(int(np.prod(shape)), _NONE)
-        around = [range(1) if n == 1 else range(2) if wraps and n == 2 else range(-1, 2)
-                  for n, wraps in zip(shape, periodic, strict=True)]  # fmt: skip
+        few = {1: (0,), 2: (0, 1)}  # where neighbours on both sides would be the same cell
+        around = [few.get(n if wraps else 3, (-1, 0, 1)) for n, wraps in zip(shape.tolist(), periodic, strict=True)]
         self._offsets = np.array(list(itertools.product(*around)))
 
     def add(self, ids: Ints, position: Floats, following: Ints) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm.config.cells import Placed
+from rdpm.config.cells import LARGER, Placed
 from rdpm.config.overlaps import wrapped
 from rdpm.config.rule import RuleError
 
@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 _SATURATED = 0.38  # equal spheres placed at random jam at 0.384 of the volume [1]
 _TRIES = 20_000  # failed tries in a row after which there is hardly a hole left
 _BLOCK = 2048
-_ALIKE = 0.9  # sizes down to this share of the largest left are placed side by side, all others later
+_ALIKE = 1.0 / LARGER  # sizes down to this share of the largest left are placed side by side, all others later
 
 
 def place_at_random(
@@ -27,7 +27,7 @@ def place_at_random(
     seed: int,
     obstacles: tuple[Floats, Floats],
 ) -> Floats:
-    """Place spheres at random, the largest first (sizes within 10 % side by side), none touching.
+    """Place spheres at random, the largest first (sizes within an eighth side by side), none touching.
 
     Parameters
     ----------
