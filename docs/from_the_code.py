@@ -1,4 +1,4 @@
-"""Tables that the code writes: keys of the case file, options of the command line, defaults and units included."""
+"""Tables that the code writes: keys of the case file with units, limits and defaults; options of the command line."""
 
 import importlib
 import inspect
@@ -9,6 +9,8 @@ from cyclopts import Parameter
 from docutils import nodes
 from docutils.parsers.rst import Directive
 from docutils.statemachine import StringList
+
+from rdpm.config.fields import describe
 
 
 def described(docstring, heading):
@@ -41,32 +43,55 @@ class Table(Directive):
 
 
 class CaseKeys(Table):
-    """Keys of one table of the case file, from its model."""
+    """Keys of one table of the case file, as its model declares them."""
 
-    heads = ("key", "type", "default", "")
+    heads = ("key", "value", "default", "")
 
     def rows(self, name):
         """One row a key; a key without a description fails the build."""
         module, _, model_name = name.rpartition(".")
-        model = getattr(importlib.import_module(module), model_name)
-        said = described(model.__doc__, "Attributes")
-        filled = model._fill({}) if hasattr(model, "_fill") else {}
-        for key, field in model.model_fields.items():
-            kind, text = said[key]
-            is_required = field.is_required() and key not in filled
-            default = "required" if is_required else self.shown(field.get_default())
-            yield f"`{key}`", kind.removesuffix(", optional"), default, re.sub(r":meth:|`{2}", "", text)
+        for key in describe(getattr(importlib.import_module(module), model_name)):
+            if not key["help"]:
+                raise ValueError(f"{name}.{key['name']} has no description")
+            default = "required" if key["required"] else key["left_out"] or self.written(key["default"])
+            yield f"`{key['name']}`", self.value(key), default, key["help"]
+
+    @classmethod
+    def value(cls, key):
+        """What may stand there: kind, unit, limits, choices."""
+        kind, unit = key["kind"], f" [{key['unit']}]" if key["unit"] else ""
+        names = [f'`"{choice}"`' for choice in key["choices"]]
+        if kind == "choice":
+            text = cls.joined(names)
+        elif kind == "table":
+            text = "list of tables" if key["count"] == "list" else "table"
+        else:
+            noun = kind if key["length"] is None else "vector" if kind == "number" else f"{key['length']} {kind}s"
+            text = f"list of {noun}s{unit}" if key["count"] == "list" else f"{noun}{unit}"
+            text += f", {limits}" if (limits := cls.limits(key)) else ""
+            text += ", one or each" if key["count"] == "one or each" else ""
+            text = cls.joined([*names, text])
+        return f"{text} or table" if key["table"] and kind != "table" else text
 
     @staticmethod
-    def shown(value):
+    def limits(key):
+        """Such as ``> 0, at most 1``."""
+        low, high = ("" if key[name] is None else str(key[name]).removesuffix(".0") for name in ("ge", "le"))
+        if low and high:
+            return f"{low} to {high}"
+        above = f"> {key['gt']:g}" if key["gt"] is not None else ""
+        return ", ".join(filter(None, (above, low and f"at least {low}", high and f"at most {high}")))
+
+    @staticmethod
+    def joined(names):
+        """Such as ``a, b or c``."""
+        return " or ".join(part for part in (", ".join(names[:-1]), names[-1]) if part)
+
+    @staticmethod
+    def written(value):
         """A default as it would be written in a case file."""
-        if isinstance(value, tuple):
-            value = list(value)
-        if isinstance(value, bool):
-            value = str(value).lower()
-        elif isinstance(value, str):
-            value = f'"{value}"'
-        return f"`{value}`" if isinstance(value, str | int | float) or (isinstance(value, list) and value) else ""
+        text = str(value).lower() if isinstance(value, bool) else f'"{value}"' if isinstance(value, str) else str(value)
+        return "" if value in (None, "", []) else f"`{text}`"
 
 
 class Verb(Table):

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from rdpm.config.cells import Placed
 from rdpm.config.load import load_case
 from rdpm.config.overlaps import first_overlap
+from rdpm.config.packing import place_at_random
 from rdpm.errors import CaseError
 
 BOX = 0.2
@@ -99,6 +101,59 @@ def test_packing_keeps_its_gaps(boundary):
     assert (case(given, ball, boundary=boundary).expanded_bodies().position == table.position).all()
 
 
+def test_equal_spheres_keep_the_places_of_their_seed():
+    """Numbers of the first version: a seed stands in published cases."""
+    given = {"diameter": 0.02, "density": 1, "packing": {"count": 300, "seed": 4}}
+    found = case(given, boundary="periodic").expanded_bodies().position
+    assert found[[0, 150, 299]].tolist() == [
+        [0.18861122111447354, 0.10226551056287232, 0.19524874114154084],
+        [0.13407140086316133, 0.02405840263407426, 0.13345095152971623],
+        [0.10310555408532696, 0.06545008057053313, 0.16983348980415766],
+    ]
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+def test_packing_of_a_decade_of_sizes_keeps_its_gaps(periodic):
+    rng, count = np.random.default_rng(2), 600
+    diameter = np.exp(rng.uniform(np.log(0.002), np.log(0.02), count))
+    box, walls = np.array([0.12, 0.13, 0.11]), np.array([periodic] * 3)
+    balls = rng.random((20, 3)) * box, np.full(20, 0.001)
+    places = place_at_random(diameter, box, walls, 1e-5, 3, balls)
+    found = gaps(np.concatenate([places, balls[0]]), np.concatenate([diameter, balls[1]]), box, walls)
+    between = count * (count - 1) // 2  # the given ones may lie as they like
+    to_balls = [found[between + n * count + n * (n - 1) // 2 :][:count] for n in range(20)]
+    assert np.concatenate([found[:between], *to_balls]).min() > 1e-5 * (1 - 1e-9)
+
+
+def test_a_slightly_larger_sphere_is_seen_two_cells_away():
+    """Sizes side by side may lie in two octaves; cells are made for the larger."""
+    box, walls, d = np.full(3, 12 * 2.0**-6), np.zeros(3, bool), 2.0**-6
+    placed = Placed(box, walls, 0.0, np.append(np.full(300, d), 1.05 * d), (np.empty((0, 3)), np.empty(0)))
+    placed.add(np.array([[0.999 * d, 3.5 * d, 3.5 * d]]), np.array([d]))
+    tried = np.array([[2.001 * d, 3.5 * d, 3.5 * d], [2.025 * d, 3.5 * d, 3.5 * d]])
+    assert placed.is_free(tried, np.full(2, 1.05 * d)).tolist() == [False, True]
+
+
+def test_work_of_a_packing_grows_as_its_bodies(monkeypatch):
+    """Pairs looked at a body, of different sizes: as many in a box of eight times the volume."""
+    looked = []
+
+    def counted(self, position, diameter, others, sizes, was=Placed._meets):
+        looked.append(len(position))
+        return was(self, position, diameter, others, sizes)
+
+    monkeypatch.setattr(Placed, "_meets", counted)
+    work = []
+    for count, side in ((1000, 0.1), (8000, 0.2)):
+        looked.clear()
+        diameter = np.random.default_rng(5).uniform(0.003, 0.01, count)
+        place_at_random(
+            diameter, np.full(3, side), np.ones(3, bool), 0.0, 1, (np.empty((0, 3)), np.empty(0))
+        )
+        work.append(sum(looked) / count)
+    assert work[1] < 1.5 * work[0]
+
+
 def test_solid_fraction_gives_the_count():
     table = case({"diameter": 0.02, "density": 1, "packing": {"solid_fraction": 0.1}}).expanded_bodies()
     assert len(table) == round(0.1 * BOX**3 / (np.pi / 6 * 0.02**3))
@@ -137,6 +192,20 @@ def test_the_tree_finds_what_all_pairs_find(equal):
             i, j, gap = found
             assert i < j
             assert np.isclose(gap, gaps(position[[i, j]], diameter[[i, j]], box, periodic)[0], rtol=1e-12)
+
+
+def test_a_touch_among_many_hides_no_overlap():
+    """Spheres that touch to round-off, and two larger ones that overlap by a fifth with others nearer: 411 in all."""
+    grid = np.stack(np.meshgrid(*[np.arange(8)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    small = (0.1 + 0.02 * grid)[:409]
+    small[1] = small[0] + [0.0, 0.0, 0.01 * (1 - 1e-12)]
+    small[2:4] = [[0.444, 0.5, 0.5], [0.636, 0.5, 0.5]]
+    large = np.array([[0.5, 0.5, 0.5], [0.58, 0.5, 0.5]])
+    position, diameter = np.concatenate([small, large]), np.repeat([0.01, 0.1], [409, 2])
+    found = first_overlap(position, diameter, np.ones(3), np.zeros(3, bool), 1e-9)
+    assert found is not None
+    assert found[:2] == (409, 410)
+    assert found[2] == pytest.approx(-0.02)
 
 
 def test_bodies_from_a_file(tmp_path):

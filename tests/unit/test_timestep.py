@@ -80,3 +80,14 @@ def test_due_once_where_a_step_passes_several_multiples() -> None:
     every = Every(0.1)
     assert [every.is_due(t) for t in (0.0, 0.35, 0.38, 0.4, 1.0, 1.05)] == [True, True, False, True, True, False]
     assert not Every(0.0).is_due(0.0)
+
+
+@pytest.mark.parametrize("step", ["auto", "adaptive"])
+def test_automatic_steps_continue_with_the_step_they_began_with(step: str) -> None:
+    """Another end would fit other steps; contacts are tied to those of the start."""
+    case = rdpm.load_case("settling", [f'time.step="{step}"'])
+    began = plan(case).step
+    longer = rdpm.load_case("settling", [f'time.step="{step}"', f"time.end={case.time.end * 1.013}"])
+    assert plan(longer).step.dt != began.dt
+    assert plan(longer, began.dt).step.dt == began.dt
+    assert plan(longer, began.dt).pairs == plan(case).pairs

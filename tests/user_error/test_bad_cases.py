@@ -97,7 +97,7 @@ WRONG = [
         '"440 mm"',
         '"5 mm"',
         ":21: bodies[0].centers[1] = [0.04985, 0.05, 0.005]: must lie inside the box: body 1 "
-        "reaches z = -0.0025 m, the box z = 0 to 0.5 m (it starts beyond the side). Move it by 0.0025 m",
+        "reaches z = -0.0025 m, the box z = 0 to 0.5 m (it starts beyond the face). Move it by 0.0025 m",
     ),
     (
         "dkt",

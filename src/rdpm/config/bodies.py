@@ -4,31 +4,34 @@ from __future__ import annotations
 
 import bisect
 import itertools
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import field_validator, model_validator
 
-from rdpm.config.fields import (
-    Model,
-    Vector,
-    Vectors,
-    items,
-    number,
-    placed,
-    to_number,
-    to_vector,
-    to_vectors,
-    vector,
-    whole,
-    whole_vector,
-)
+from rdpm.config.declared import Choice, Components, EachOf, File, LeftOut, OneOrEach, OrTable, Quantity, Whole
+from rdpm.config.fields import Model, Vector, Vectors
 from rdpm.config.rule import RuleError, listed
 
-__all__ = ["MAX_BODIES", "BodyGroup", "Gap", "Lattice", "Motion", "Packing", "VectorTable"]
+__all__ = [
+    "MAX_BODIES",
+    "BodyGroup",
+    "Gap",
+    "Lattice",
+    "Motion",
+    "Packing",
+    "RotationTable",
+    "VectorTable",
+    "VelocityTable",
+]
 
 MAX_BODIES = 1_000_000  # beyond it the case file is mistaken: 4 cells a diameter would not fit a memory
 
 PLACES = ("centers", "file", "lattice", "packing")
+
+_LENGTH, _SIZE = Components(Quantity("m")), Quantity("m", gt=0.0)
+_VELOCITY, _ROTATION = Components(Quantity("m/s")), Components(Quantity("rad/s"))
+_SEED = Whole(0, 2**63 - 1)
+_Held = Literal["free", "fixed"]
 
 
 class VectorTable(Model):
@@ -36,14 +39,38 @@ class VectorTable(Model):
 
     Attributes
     ----------
-    times : tuple of float, [s]
+    times
         Increasing.
-    values : tuple of 3-tuples, [m/s] or [rad/s]
+    values
         One a time.
     """
 
-    times: tuple[float, ...]
+    times: Annotated[tuple[float, ...], EachOf(Quantity("s"))]
     values: Vectors
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_both(cls, raw: Any) -> Any:
+        if isinstance(raw, dict) and set(raw) != {"times", "values"}:
+            raise RuleError(
+                "must hold times and values, and nothing else",
+                value=raw,
+                cure="Write { times = [...], values = [[...], ...] }, or a constant vector.",
+            )
+        return raw
+
+    @field_validator("times")
+    @classmethod
+    def _increase(cls, times: tuple[float, ...]) -> tuple[float, ...]:
+        if any(b <= a for a, b in itertools.pairwise(times)):
+            raise RuleError("must increase")
+        return times
+
+    @model_validator(mode="after")
+    def _is_one_each(self) -> VectorTable:
+        if not self.times or len(self.times) != len(self.values):
+            raise RuleError(f"must have as many values as times, not {len(self.values)} and {len(self.times)}")
+        return self
 
     def at(self, time: float) -> Vector:
         """Return the vector at a time [s].
@@ -62,50 +89,44 @@ class VectorTable(Model):
         return x, y, z
 
 
+class VelocityTable(VectorTable):
+    """A velocity at some times.
+
+    Attributes
+    ----------
+    times
+        Increasing.
+    values
+        One a time; linear between them, constant outside.
+    """
+
+    values: Annotated[Vectors, EachOf(_VELOCITY)]
+
+
+class RotationTable(VectorTable):
+    """An angular velocity at some times.
+
+    Attributes
+    ----------
+    times
+        Increasing.
+    values
+        One a time; linear between them, constant outside.
+    """
+
+    values: Annotated[Vectors, EachOf(_ROTATION)]
+
+
 class Gap(Model):
     """A distance to the nearest wall or other body.
 
     Attributes
     ----------
-    gap : float, [m]
-        Between the surfaces, > 0.
+    gap
+        Between the surfaces.
     """
 
-    gap: Annotated[float, number("m", above=0.0)]
-
-
-def _times(value: Any) -> tuple[float, ...]:
-    times = tuple(placed(i, to_number, time, "s") for i, time in enumerate(items(value)))
-    if any(b <= a for a, b in itertools.pairwise(times)):
-        raise RuleError("must increase")
-    return times
-
-
-def _course(unit: str) -> BeforeValidator:
-    """Check a constant vector, or a table of times and values."""
-
-    def check(value: Any) -> Vector | VectorTable:
-        if not isinstance(value, dict):
-            return to_vector(value, unit)
-        if set(value) != {"times", "values"}:
-            raise RuleError(
-                "must hold times and values, and nothing else",
-                value=value,
-                cure="Write { times = [...], values = [[...], ...] }, or a constant vector.",
-            )
-        times = placed("times", _times, value["times"])
-        values = placed("values", to_vectors, value["values"], unit)
-        if not times or len(times) != len(values):
-            raise RuleError(f"must have as many values as times, not {len(values)} and {len(times)}")
-        return VectorTable(times=times, values=values)
-
-    return BeforeValidator(check)
-
-
-def _until(value: Any) -> float | Gap:
-    if isinstance(value, dict):
-        return Gap.model_validate(value)
-    return to_number(value, "s", above=0.0)
+    gap: Annotated[float, _SIZE]
 
 
 class Motion(Model):
@@ -113,15 +134,17 @@ class Motion(Model):
 
     Attributes
     ----------
-    velocity, rotation : tuple of 3 floats or VectorTable, [m/s], [rad/s]
-        The centre's velocity and the angular velocity; zero when left out.
-    until : float or Gap, [s] or [m], optional
-        The time, or the gap to the nearest wall or body, at which the body is released; never when left out.
+    velocity
+        The centre's velocity.
+    rotation
+        The angular velocity.
+    until
+        The time, or the gap to the nearest wall or body, at which the body is released.
     """
 
-    velocity: Annotated[Vector | VectorTable, _course("m/s")] = (0.0, 0.0, 0.0)
-    rotation: Annotated[Vector | VectorTable, _course("rad/s")] = (0.0, 0.0, 0.0)
-    until: Annotated[float | Gap | None, BeforeValidator(_until)] = None
+    velocity: Annotated[Vector | VelocityTable, OrTable(_VELOCITY, VelocityTable)] = (0.0, 0.0, 0.0)
+    rotation: Annotated[Vector | RotationTable, OrTable(_ROTATION, RotationTable)] = (0.0, 0.0, 0.0)
+    until: Annotated[float | Gap | None, OrTable(Quantity("s", gt=0.0), Gap), LeftOut("never")] = None
 
     def velocity_at(self, time: float) -> Vector:
         """Return the prescribed velocity [m/s] of the centre at a time [s]."""
@@ -137,23 +160,23 @@ class Lattice(Model):
 
     Attributes
     ----------
-    counts : tuple of 3 ints
+    counts
         Bodies along x, y, z.
-    spacing : tuple of 3 floats, [m]
+    spacing
         Distance of neighbouring centres.
-    origin : tuple of 3 floats, [m], optional
-        The first centre; half a spacing from the lower sides when left out.
-    jitter : float, [m]
+    origin
+        The first centre.
+    jitter
         Each centre is moved at random by up to this along each direction.
-    seed : int
+    seed
         Of the random numbers.
     """
 
-    counts: Annotated[tuple[int, int, int], whole_vector(1, MAX_BODIES)]
-    spacing: Annotated[Vector, vector("m", above=0.0)]
-    origin: Annotated[Vector | None, vector("m")] = None
-    jitter: Annotated[float, number("m", least=0.0)] = 0.0
-    seed: Annotated[int, whole(0, 2**63 - 1)] = 0
+    counts: Annotated[tuple[int, int, int], Components(Whole(1, MAX_BODIES))]
+    spacing: Annotated[Vector, Components(_SIZE)]
+    origin: Annotated[Vector | None, _LENGTH, LeftOut("half a spacing from the lower faces")] = None
+    jitter: Annotated[float, Quantity("m", ge=0.0)] = 0.0
+    seed: Annotated[int, _SEED] = 0
 
     @property
     def count(self) -> int:
@@ -167,20 +190,20 @@ class Packing(Model):
 
     Attributes
     ----------
-    count : int, optional
+    count
         How many; this or `solid_fraction`.
-    solid_fraction : float, [-], optional
-        Their volume over the box's.
-    seed : int
+    solid_fraction
+        Their volume over the box's; instead of `count`.
+    seed
         Of the random numbers.
-    min_gap : float, [m]
+    min_gap
         Least distance between surfaces, walls included.
     """
 
-    count: Annotated[int | None, whole(1, MAX_BODIES)] = None
-    solid_fraction: Annotated[float | None, number("", above=0.0, most=1.0)] = None
-    seed: Annotated[int, whole(0, 2**63 - 1)] = 0
-    min_gap: Annotated[float, number("m", least=0.0)] = 0.0
+    count: Annotated[int | None, Whole(1, MAX_BODIES)] = None
+    solid_fraction: Annotated[float | None, Quantity("", gt=0.0, le=1.0)] = None
+    seed: Annotated[int, _SEED] = 0
+    min_gap: Annotated[float, Quantity("m", ge=0.0)] = 0.0
 
     @model_validator(mode="after")
     def _one_amount(self) -> Packing:
@@ -190,69 +213,48 @@ class Packing(Model):
         return self
 
 
-def _one_or_each(unit: str) -> BeforeValidator:
-    """Check one positive quantity for all bodies, or a list with one each."""
-
-    def check(value: Any) -> float | tuple[float, ...]:
-        if not hasattr(value, "tolist") and not isinstance(value, list | tuple):
-            return to_number(value, unit, above=0.0)
-        return tuple(placed(i, to_number, item, unit, above=0.0) for i, item in enumerate(items(value)))
-
-    return BeforeValidator(check)
-
-
-def _vector_or_each(unit: str) -> BeforeValidator:
-    """Check one vector for all bodies, or a list with one each."""
-
-    def check(value: Any) -> Vector | Vectors:
-        is_each = isinstance(value, list | tuple) and len(value) > 0 and isinstance(value[0], list | tuple)
-        return to_vectors(value, unit) if is_each else to_vector(value, unit)
-
-    return BeforeValidator(check)
-
-
-def _motion(value: Any) -> str | Motion:
-    if isinstance(value, dict):
-        return Motion.model_validate(value)
-    if isinstance(value, str) and value in ("free", "fixed"):
-        return value
-    raise RuleError('must be "free", "fixed" or { velocity, rotation, until }', value=value)
-
-
 class BodyGroup(Model):
     """Spheres that share a description.
 
     Attributes
     ----------
-    diameter : float or tuple of float, [m]
-        One for all, or one each.
-    density : float or tuple of float, [kg/m^3]
-        One for all, or one each.
-    centers : tuple of 3-tuples, [m], optional
-        This, `lattice` or `packing` (a case file may also name a CSV ``file``: its rows become `centers`).
-    lattice : Lattice, optional
-    packing : Packing, optional
-    velocity, angular_velocity : tuple of 3 floats, or one such each, [m/s], [rad/s]
-        At the start; zero when left out.
-    motion : "free", "fixed" or Motion
-    orientation_seed : int, optional
-        Turns each body, and so its markers, at random; upright when left out. A sphere's motion should not depend on
-        it: this shows by how much it does.
+    diameter
+        Of the spheres.
+    density
+        Mass a volume.
+    centers
+        Where the bodies are; this, `file`, `lattice` or `packing`.
+    file
+        CSV table with a body a line; its columns take the place of `centers` and what else they hold.
+    lattice
+        A regular arrangement.
+    packing
+        Places at random, no two bodies touching.
+    velocity
+        Of the centre at the start.
+    angular_velocity
+        At the start.
+    motion
+        Free, fixed, or a prescribed motion.
+    orientation_seed
+        Turns each body, and so its markers, at random. A sphere's motion should not depend on it: this shows by how
+        much it does.
     """
 
-    diameter: Annotated[float | tuple[float, ...], _one_or_each("m")]
-    density: Annotated[float | tuple[float, ...], _one_or_each("kg/m^3")]
-    centers: Annotated[Vectors | None, BeforeValidator(lambda value: to_vectors(value, "m"))] = None
+    diameter: Annotated[float | tuple[float, ...], OneOrEach(_SIZE)]
+    density: Annotated[float | tuple[float, ...], OneOrEach(Quantity("kg/m^3", gt=0.0))]
+    centers: Annotated[Vectors | None, EachOf(_LENGTH)] = None
+    file: Annotated[str | None, File()] = None
     lattice: Lattice | None = None
     packing: Packing | None = None
-    velocity: Annotated[Vector | Vectors, _vector_or_each("m/s")] = (0.0, 0.0, 0.0)
-    angular_velocity: Annotated[Vector | Vectors, _vector_or_each("rad/s")] = (0.0, 0.0, 0.0)
-    motion: Annotated[Literal["free", "fixed"] | Motion, BeforeValidator(_motion)] = "free"
-    orientation_seed: Annotated[int | None, whole(0, 2**63 - 1)] = None
+    velocity: Annotated[Vector | Vectors, OneOrEach(_VELOCITY)] = (0.0, 0.0, 0.0)
+    angular_velocity: Annotated[Vector | Vectors, OneOrEach(_ROTATION)] = (0.0, 0.0, 0.0)
+    motion: Annotated[_Held | Motion, OrTable(Choice(get_args(_Held)), Motion)] = "free"
+    orientation_seed: Annotated[int | None, _SEED, LeftOut("upright")] = None
 
     @model_validator(mode="after")
     def _is_one_arrangement(self) -> BodyGroup:
-        given = [name for name in PLACES if name != "file" and getattr(self, name) is not None]
+        given = [name for name in PLACES if getattr(self, name) is not None]
         if len(given) != 1:
             found = f"given are {listed(given)}" if given else "none is given"
             raise RuleError(f"must have exactly one of {listed(PLACES)}", found)

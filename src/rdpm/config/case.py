@@ -8,8 +8,9 @@ from pydantic import BeforeValidator, StrictStr, ValidationInfo, field_validator
 
 from rdpm.config.bodies import BodyGroup, Gap, Motion
 from rdpm.config.contact import DEFAULT_CONTACT, Contact
+from rdpm.config.declared import LeftOut, items
 from rdpm.config.domain import Domain, Fluid
-from rdpm.config.fields import Model, items
+from rdpm.config.fields import Model
 from rdpm.config.numerics import Resolution, Time
 from rdpm.config.output import Output
 from rdpm.config.rule import RuleError
@@ -36,28 +37,32 @@ class Case(Model):
 
     Attributes
     ----------
-    title : str
-    domain : Domain
-    fluid : Fluid, optional
-        Without it the bodies move in a void.
-    bodies : tuple of BodyGroup
-        :meth:`expanded_bodies` lists them one by one.
-    contact : Contact
-        Soft spheres with 8 contact steps and restitution 0.9 when left out.
-    resolution : Resolution, optional
-        Needed with a fluid.
-    time : Time
-    output : Output
+    title
+        Of the report.
+    domain
+        The box and gravity.
+    fluid
+        What fills the box; without it the bodies move in a void.
+    bodies
+        Groups of spheres.
+    contact
+        How bodies touch.
+    resolution
+        The grid; needed with a fluid.
+    time
+        How long, and in which steps.
+    output
+        What a run writes, and how often.
     """
 
     title: StrictStr = ""
     domain: Domain
     fluid: Fluid | None = None
     bodies: Annotated[tuple[BodyGroup, ...], BeforeValidator(_groups)] = ()
-    contact: Contact
+    contact: Annotated[Contact, LeftOut(", ".join(f"{key} = {value:g}" for key, value in DEFAULT_CONTACT.items()))]
     resolution: Resolution | None = None
     time: Time
-    output: Output
+    output: Annotated[Output, LeftOut("each key's own")]
 
     @model_validator(mode="before")
     @classmethod
@@ -66,7 +71,7 @@ class Case(Model):
             return raw
         filled = {"contact": dict(DEFAULT_CONTACT), "output": {}, **raw}
         if isinstance(filled["contact"], dict):
-            # only a fluid has a film to squeeze
+            # only a fluid lubricates
             filled["contact"] = {"lubrication": filled.get("fluid") is not None, **filled["contact"]}
         return filled
 
@@ -110,7 +115,7 @@ class Case(Model):
         if self.contact.lubrication:
             raise RuleError(
                 "must not be true without [fluid]",
-                "there is no film to squeeze",
+                "without a fluid nothing lubricates",
                 "Leave it out.",
                 value=True,
                 at=("contact", "lubrication"),

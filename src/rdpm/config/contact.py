@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import StrictBool, model_validator
 
-from rdpm.config.fields import Model, choice, number, whole
+from rdpm.config.declared import Choice, LeftOut, Quantity, Whole
+from rdpm.config.fields import Model
 from rdpm.config.rule import RuleError, listed
 
 __all__ = ["DEFAULT_CONTACT", "Contact"]
@@ -16,6 +17,7 @@ DEFAULT_CONTACT = {"contact_steps": 8.0, "restitution": 0.9}
 _RESTITUTION = 0.9  # of most hard spheres within 10 %, where only the overlap is designed
 _TANGENTIAL_RATIO = 2 / 7  # a homogeneous sphere then has equal normal and tangential contact periods
 
+Ending = Literal["zero-force", "zero-overlap"]
 Way = Literal["contact-steps", "stiffness-damping", "stiffness-restitution", "max-overlap"]
 
 _WAYS: dict[frozenset[str], Way] = {
@@ -32,58 +34,60 @@ class Contact(Model):
 
     Attributes
     ----------
-    model : "soft-sphere"
-        Linear spring and dashpot; the only law in this version.
-    contact_steps : float, [-], optional
-        Duration of every contact in fluid steps, 4 to 1000; with `restitution`.
-    restitution : float, [-], optional
-        Dry normal coefficient of restitution, 0 < e <= 1.
-    stiffness : float, [N/m], optional
+    model
+        Law of the normal force. A soft sphere is a linear spring and dashpot.
+    contact_steps
+        Duration of every contact in fluid steps; with `restitution`.
+    restitution
+        Dry normal coefficient of restitution.
+    stiffness
         Normal stiffness of all pairs; with `damping` or `restitution`.
-    damping : float, [N s/m], optional
-        Normal damping of all pairs, >= 0.
-    max_overlap : float, [-], optional
-        Largest overlap over the smaller diameter, 0 to 0.5, at `impact_speed`; `restitution` is 0.9 when
-        left out.
-    impact_speed : float, [m/s], optional
-        > 0.
-    ending : "zero-force" or "zero-overlap"
-        Where a contact ends; at zero overlap the force is briefly attractive.
-    friction : float, [-]
-        Coulomb's coefficient, >= 0.
-    tangential_ratio : float, [-], optional
-        Tangential over normal stiffness, 0 to 1; 2/7 when `poisson_ratio` is left out too.
-    poisson_ratio : float, [-], optional
-        0 to 0.5; instead of `tangential_ratio`.
-    lubrication : bool
-        Whether the squeeze film thinner than the grid resolves is modelled; with a fluid only.
-    lubrication_roughness : float, [-]
-        Gap over radius below which the film no longer thins, 0 < value <= 0.1.
-    overlap_limit : float, [-]
-        Overlap over the smaller diameter at which a run stops, 0 < value <= 0.5.
-    substeps : int, optional
-        Contact steps in a fluid step; chosen from the contact time when left out.
+    damping
+        Normal damping of all pairs; with `stiffness`.
+    max_overlap
+        Largest overlap over the smaller diameter, reached at `impact_speed`.
+    impact_speed
+        Normal relative speed at touch, for `max_overlap`.
+    ending
+        Where a contact ends: at zero force (LIGGGHTS' `limitForce`), or at zero overlap, where the force is briefly
+        attractive.
+    friction
+        Coulomb's coefficient.
+    tangential_ratio
+        Tangential over normal stiffness.
+    poisson_ratio
+        Gives the tangential ratio; instead of `tangential_ratio`.
+    lubrication
+        Whether the lubrication that the grid does not resolve is added; with a fluid only.
+    lubrication_roughness
+        Gap over radius below which the lubrication force no longer grows.
+    overlap_limit
+        Overlap over the smaller diameter at which a run stops.
+    substeps
+        Contact steps in a fluid step.
     """
 
-    model: Annotated[
-        Literal["soft-sphere"], choice("soft-sphere", later=("hertz", "hard-sphere", "repulsive"))
-    ] = "soft-sphere"
-    contact_steps: Annotated[float | None, number("", least=4.0, most=1000.0)] = None
-    restitution: Annotated[float | None, number("", above=0.0, most=1.0)] = None
-    stiffness: Annotated[float | None, number("N/m", above=0.0)] = None
-    damping: Annotated[float | None, number("N s/m", least=0.0)] = None
-    max_overlap: Annotated[float | None, number("", above=0.0, most=0.5)] = None
-    impact_speed: Annotated[float | None, number("m/s", above=0.0)] = None
-    ending: Annotated[Literal["zero-force", "zero-overlap"], choice("zero-force", "zero-overlap")] = (
-        "zero-force"
+    model: Annotated[Literal["soft-sphere"], Choice(("soft-sphere",), later=("hertz", "hard-sphere", "repulsive"))] = (
+        "soft-sphere"
     )
-    friction: Annotated[float, number("", least=0.0)] = 0.0
-    tangential_ratio: Annotated[float | None, number("", above=0.0, most=1.0)] = None
-    poisson_ratio: Annotated[float | None, number("", least=0.0, most=0.5)] = None
-    lubrication: StrictBool = True
-    lubrication_roughness: Annotated[float, number("", above=0.0, most=0.1)] = 1e-3
-    overlap_limit: Annotated[float, number("", above=0.0, most=0.5)] = 0.2
-    substeps: Annotated[int | None, whole(1, 100_000)] = None
+    contact_steps: Annotated[float | None, Quantity("", ge=4.0, le=1000.0)] = None
+    restitution: Annotated[
+        float | None, Quantity("", gt=0.0, le=1.0), LeftOut(f"{_RESTITUTION:g} beside `max_overlap`")
+    ] = None
+    stiffness: Annotated[float | None, Quantity("N/m", gt=0.0)] = None
+    damping: Annotated[float | None, Quantity("N s/m", ge=0.0)] = None
+    max_overlap: Annotated[float | None, Quantity("", gt=0.0, le=0.5)] = None
+    impact_speed: Annotated[float | None, Quantity("m/s", gt=0.0)] = None
+    ending: Annotated[Ending, Choice(get_args(Ending))] = "zero-force"
+    friction: Annotated[float, Quantity("", ge=0.0)] = 0.0
+    tangential_ratio: Annotated[
+        float | None, Quantity("", gt=0.0, le=1.0), LeftOut("2/7 without `poisson_ratio`")
+    ] = None
+    poisson_ratio: Annotated[float | None, Quantity("", ge=0.0, le=0.5)] = None
+    lubrication: Annotated[StrictBool, LeftOut("true with a fluid")] = True
+    lubrication_roughness: Annotated[float, Quantity("", gt=0.0, le=0.1)] = 1e-3
+    overlap_limit: Annotated[float, Quantity("", gt=0.0, le=0.5)] = 0.2
+    substeps: Annotated[int | None, Whole(1, 100_000), LeftOut("chosen from the contact time")] = None
 
     @model_validator(mode="before")
     @classmethod
@@ -91,8 +95,8 @@ class Contact(Model):
         if not isinstance(raw, dict):
             return raw
         filled = dict(raw)
-        if "poisson_ratio" not in raw:
-            filled.setdefault("tangential_ratio", _TANGENTIAL_RATIO)
+        if raw.get("poisson_ratio") is None and raw.get("tangential_ratio") is None:
+            filled["tangential_ratio"] = _TANGENTIAL_RATIO
         if "max_overlap" in raw and "impact_speed" in raw:
             filled.setdefault("restitution", _RESTITUTION)
         return filled

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from pydantic import StrictBool, model_validator
 
-from rdpm.config.fields import Model, Vector, choice, number, vector
+from rdpm.config.declared import Choice, Components, LeftOut, Quantity
+from rdpm.config.fields import Model, Vector
 from rdpm.config.rule import RuleError
 
 __all__ = ["SIDES", "Boundary", "Domain", "Fluid", "WallVelocity"]
 
+#: Faces of the box, in the order of everything that has one entry a face.
 SIDES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
 
 Kind = Literal["wall", "periodic", "free-slip"]
-_KIND = choice("wall", "periodic", "free-slip")
-_WALL_SPEED = vector("m/s")
+_KIND = Choice(get_args(Kind))
+_SPEED = Components(Quantity("m/s"))
+_ACCELERATION = Components(Quantity("m/s^2"))
 
 
 class Boundary(Model):
-    """What bounds the box, for each pair of opposite sides.
+    """What bounds the box, for each pair of opposite faces.
 
     Attributes
     ----------
-    x, y, z : "wall", "periodic" or "free-slip"
+    x, y, z
         A wall has no slip.
     """
 
@@ -37,16 +40,16 @@ class WallVelocity(Model):
 
     Attributes
     ----------
-    x_lower, x_upper, y_lower, y_upper, z_lower, z_upper : tuple of 3 floats, [m/s], optional
-        The component across the wall is zero.
+    x_lower, x_upper, y_lower, y_upper, z_lower, z_upper
+        At rest when left out. The component across the wall is zero.
     """
 
-    x_lower: Annotated[Vector | None, _WALL_SPEED] = None
-    x_upper: Annotated[Vector | None, _WALL_SPEED] = None
-    y_lower: Annotated[Vector | None, _WALL_SPEED] = None
-    y_upper: Annotated[Vector | None, _WALL_SPEED] = None
-    z_lower: Annotated[Vector | None, _WALL_SPEED] = None
-    z_upper: Annotated[Vector | None, _WALL_SPEED] = None
+    x_lower: Annotated[Vector | None, _SPEED] = None
+    x_upper: Annotated[Vector | None, _SPEED] = None
+    y_lower: Annotated[Vector | None, _SPEED] = None
+    y_upper: Annotated[Vector | None, _SPEED] = None
+    z_lower: Annotated[Vector | None, _SPEED] = None
+    z_upper: Annotated[Vector | None, _SPEED] = None
 
 
 class Domain(Model):
@@ -54,16 +57,19 @@ class Domain(Model):
 
     Attributes
     ----------
-    size : tuple of 3 floats, [m]
-        Along x, y, z, > 0; kept exactly.
-    boundary : Boundary
-    gravity : tuple of 3 floats, [m/s^2]
-    wall_velocity : WallVelocity
+    size
+        Lengths of the box; kept exactly.
+    boundary
+        What bounds the box; walls when left out.
+    gravity
+        Acceleration by gravity.
+    wall_velocity
+        Velocities of walls that move.
     """
 
-    size: Annotated[Vector, vector("m", above=0.0)]
+    size: Annotated[Vector, Components(Quantity("m", gt=0.0))]
     boundary: Boundary = Boundary()
-    gravity: Annotated[Vector, vector("m/s^2")] = (0.0, 0.0, -9.81)
+    gravity: Annotated[Vector, _ACCELERATION] = (0.0, 0.0, -9.81)
     wall_velocity: WallVelocity = WallVelocity()
 
     @property
@@ -77,27 +83,32 @@ class Domain(Model):
         x, y, z = (kind == "periodic" for kind in self.kinds)
         return x, y, z
 
+    @property
+    def wall_velocities(self) -> tuple[Vector, ...]:
+        """Velocity [m/s] of each face, in the order of `SIDES`; zero where none is given."""
+        return tuple(getattr(self.wall_velocity, face) or (0.0, 0.0, 0.0) for face in SIDES)
+
     @model_validator(mode="after")
     def _walls_slide(self) -> Domain:
-        for n, side in enumerate(SIDES):
-            velocity = getattr(self.wall_velocity, side)
+        for n, face in enumerate(SIDES):
+            velocity = getattr(self.wall_velocity, face)
             if velocity is None:
                 continue
             if self.kinds[n // 2] != "wall":
                 raise RuleError(
-                    f'must be left out where boundary.{side[0]} = "{self.kinds[n // 2]}"',
+                    f'must be left out where boundary.{face[0]} = "{self.kinds[n // 2]}"',
                     "only a wall moves",
-                    f'Set domain.boundary.{side[0]} = "wall".',
+                    f'Set domain.boundary.{face[0]} = "wall".',
                     value=velocity,
-                    at=("wall_velocity", side),
+                    at=("wall_velocity", face),
                 )
             if velocity[n // 2] != 0.0:
                 raise RuleError(
-                    f"must have no {side[0]} component",
+                    f"must have no {face[0]} component",
                     "a wall slides in its own plane",
                     f"Set component {n // 2} to 0.",
                     value=velocity,
-                    at=("wall_velocity", side),
+                    at=("wall_velocity", face),
                 )
         return self
 
@@ -107,30 +118,32 @@ class Fluid(Model):
 
     Attributes
     ----------
-    density : float, [kg/m^3]
-        > 0.
-    viscosity : float, [Pa s], optional
-        Dynamic; this or `kinematic_viscosity`.
-    kinematic_viscosity : float, [m^2/s], optional
-    body_force : tuple of 3 floats, [m/s^2], optional
-        On a unit mass of fluid, beside gravity (which the hydrostatic pressure carries); this or
+    density
+        Mass a volume.
+    viscosity
+        Dynamic viscosity; this or `kinematic_viscosity`.
+    kinematic_viscosity
+        Dynamic viscosity over density; instead of `viscosity`.
+    body_force
+        Force on a unit mass of fluid, beside gravity (which the hydrostatic pressure carries); this or
         `pressure_gradient`.
-    pressure_gradient : tuple of 3 floats, [Pa/m], optional
+    pressure_gradient
         Mean gradient; the flow is driven against it.
-    zero_mean_flow : bool, optional
-        Whether the mean volume flow of a fully periodic box is kept at zero; chosen by the case when left
-        out.
-    initial_velocity : tuple of 3 floats, [m/s]
-        Uniform.
+    zero_mean_flow
+        Whether the mean volume flow of a fully periodic box is kept at zero.
+    initial_velocity
+        Of the fluid at the start; uniform.
     """
 
-    density: Annotated[float, number("kg/m^3", above=0.0)]
-    viscosity: Annotated[float | None, number("Pa s", above=0.0)] = None
-    kinematic_viscosity: Annotated[float | None, number("m^2/s", above=0.0)] = None
-    body_force: Annotated[Vector | None, vector("m/s^2")] = None
-    pressure_gradient: Annotated[Vector | None, vector("Pa/m")] = None
-    zero_mean_flow: StrictBool | None = None
-    initial_velocity: Annotated[Vector, vector("m/s")] = (0.0, 0.0, 0.0)
+    density: Annotated[float, Quantity("kg/m^3", gt=0.0)]
+    viscosity: Annotated[float | None, Quantity("Pa s", gt=0.0)] = None
+    kinematic_viscosity: Annotated[float | None, Quantity("m^2/s", gt=0.0)] = None
+    body_force: Annotated[Vector | None, _ACCELERATION] = None
+    pressure_gradient: Annotated[Vector | None, Components(Quantity("Pa/m"))] = None
+    zero_mean_flow: Annotated[
+        StrictBool | None, LeftOut("true where free bodies settle in a fully periodic box and no force drives the flow")
+    ] = None
+    initial_velocity: Annotated[Vector, _SPEED] = (0.0, 0.0, 0.0)
 
     @model_validator(mode="after")
     def _is_one_fluid(self) -> Fluid:

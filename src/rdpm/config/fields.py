@@ -1,144 +1,114 @@
-"""The kinds of value a case file holds: quantities, vectors, lists, names."""
+"""The tables of a case file as models, and what their keys are as plain data."""
 
 from __future__ import annotations
 
-import math
-import numbers
-from collections.abc import Callable
-from typing import Any
+import inspect
+import re
+from typing import Any, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict
+from pydantic import BaseModel, ConfigDict
+from pydantic.fields import FieldInfo
 
-from rdpm.config.rule import RuleError, suggestion
-from rdpm.config.units import parse_quantity
+from rdpm.config.declared import Declared, LeftOut, OrTable
 
-__all__ = [
-    "Model",
-    "Vector",
-    "Vectors",
-    "choice",
-    "items",
-    "number",
-    "placed",
-    "to_number",
-    "to_vector",
-    "to_vectors",
-    "vector",
-    "whole",
-    "whole_vector",
-]
+__all__ = ["Model", "Vector", "Vectors", "describe", "table_of"]
 
 Vector = tuple[float, float, float]
 Vectors = tuple[Vector, ...]
 
 
 class Model(BaseModel):
-    """A table of the case file: frozen, unknown keys refused, its values plain SI numbers."""
+    """A table of the case file: frozen, unknown keys refused, its values plain SI numbers.
+
+    Each key is declared once: ``Annotated[type, Quantity(unit, limits)]`` (or another of
+    :mod:`rdpm.config.declared`) and a default; its meaning stands in the class's docstring under *Attributes*.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-def items(value: Any) -> list[Any]:
-    """Return a TOML array, a tuple or an array as a list."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if not isinstance(value, list | tuple):
-        raise RuleError("must be a list", value=value)
-    return list(value)
+def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
+    """List the keys of a table of the case file: what forms and documentation need, as plain data.
+
+    Parameters
+    ----------
+    model : type
+        Such as ``Case``, ``Contact``.
+
+    Returns
+    -------
+    list of dict
+        One a key, in the order of the model: `name`; `kind` ("number", "whole number", "choice", "true or false",
+        "text", "file", "table"); `unit` (SI, "" for a plain number, None where there is none); `gt`, `ge`, `le` (limits
+        or None); `length` (3 for a vector, else None); `count` ("one", "list", or "one or each" of a group's bodies);
+        `choices` (names that may stand; beside a number or a table, instead of it); `table` (the keys of a table that
+        must, or may, stand there, described likewise; or None); `required`; `default` (in SI, or None); `left_out`
+        (what holds without it where no constant says so, or ""); `help`.
+
+    Examples
+    --------
+    >>> from rdpm.config.contact import Contact
+    >>> key = {entry["name"]: entry for entry in describe(Contact)}["stiffness"]
+    >>> key["kind"], key["unit"], key["gt"], key["required"]
+    ('number', 'N/m', 0.0, False)
+    """
+    meaning = _meanings(model)
+    return [_described(name, field, meaning.get(name, "")) for name, field in model.model_fields.items()]
 
 
-def to_number(
-    value: Any, unit: str, *, above: float = -math.inf, least: float = -math.inf, most: float = math.inf
-) -> float:
-    """Return a quantity in `unit`, with `above` < value, `least` <= value <= `most`."""
-    found = parse_quantity(value, unit, bare=False)
-    named = f" {unit}" if unit else ""
-    if found <= above:
-        rule = "must be positive" if above == 0.0 else f"must be above {above:g}{named}"
-        raise RuleError(rule, value=value)
-    if found < least:
-        raise RuleError(
-            f"must be at least {least:g}{named}" if least else "must not be negative", value=value
-        )
-    if found > most:
-        raise RuleError(f"must be at most {most:g}{named}", value=value)
-    return found
+def table_of(field: FieldInfo) -> type[BaseModel] | None:
+    """Return the model of the table that must, or may, stand at a key; None where none may."""
+    for declared in field.metadata:
+        if isinstance(declared, OrTable):
+            return declared.table
+    return next((kind for kind in _kinds(field.annotation) if issubclass(kind, BaseModel)), None)
 
 
-def to_vector(value: Any, unit: str, **limits: float) -> Vector:
-    """Return three quantities in `unit`."""
-    listed = items(value)
-    if len(listed) != 3:
-        raise RuleError("must have three components, x, y and z", value=value)
-    x, y, z = (placed(i, to_number, item, unit, **limits) for i, item in enumerate(listed))
-    return x, y, z
+def _described(name: str, field: FieldInfo, meaning: str) -> dict[str, Any]:
+    entry: dict[str, Any] = {
+        "name": name,
+        "kind": "table",
+        "unit": None,
+        **dict.fromkeys(("gt", "ge", "le", "length")),
+        "count": "one",
+        "choices": [],
+    }
+    declared = next((found for found in field.metadata if isinstance(found, Declared)), None)
+    left_out = next((found.text for found in field.metadata if isinstance(found, LeftOut)), "")
+    table = table_of(field)
+    if declared is not None:
+        entry |= declared.describe()
+    elif table is None:
+        entry["kind"] = "true or false" if bool in _kinds(field.annotation) else "text"
+    elif getattr(field.annotation, "__origin__", None) is tuple:
+        entry["count"] = "list"
+    default = None if field.is_required() else field.get_default()
+    return entry | {
+        "table": describe(table) if table else None,
+        "required": field.is_required() and not left_out,
+        "default": None if isinstance(default, BaseModel) else _plain(default),
+        "left_out": left_out,
+        "help": meaning,
+    }
 
 
-def to_vectors(value: Any, unit: str) -> Vectors:
-    """Return a list of vectors."""
-    return tuple(placed(i, to_vector, item, unit) for i, item in enumerate(items(value)))
+def _plain(value: Any) -> Any:
+    return [_plain(item) for item in value] if isinstance(value, tuple) else value
 
 
-def placed(at: int | str, function: Callable[..., Any], *given: Any, **limits: float) -> Any:
-    """Call a function; what goes wrong in it is placed one level deeper, at `at`."""
-    try:
-        return function(*given, **limits)
-    except RuleError as problem:
-        raise problem.below(at) from None
+def _kinds(annotation: Any) -> list[type]:
+    """The classes an annotation names, at any depth."""
+    if isinstance(annotation, type):
+        return [annotation]
+    return [kind for inner in get_args(annotation) for kind in _kinds(inner)]
 
 
-def number(unit: str, **limits: float) -> BeforeValidator:
-    """Check a quantity in `unit`."""
-    return BeforeValidator(lambda value: to_number(value, unit, **limits))
-
-
-def whole(least: int, most: int) -> BeforeValidator:
-    """Check a whole number."""
-    return BeforeValidator(lambda value: to_whole(value, least, most))
-
-
-def whole_vector(least: int, most: int) -> BeforeValidator:
-    """Check three whole numbers."""
-
-    def check(value: Any) -> tuple[int, int, int]:
-        listed = items(value)
-        if len(listed) != 3:
-            raise RuleError("must have three components, x, y and z", value=value)
-        x, y, z = (placed(i, to_whole, item, least, most) for i, item in enumerate(listed))
-        return x, y, z
-
-    return BeforeValidator(check)
-
-
-def to_whole(value: Any, least: int, most: int) -> int:
-    """Return a whole number, `least` <= value <= `most`."""
-    if isinstance(value, bool) or not isinstance(value, numbers.Integral):
-        raise RuleError("must be a whole number", value=value)
-    if not least <= int(value) <= most:
-        raise RuleError(f"must lie between {least} and {most}", value=value)
-    return int(value)
-
-
-def vector(unit: str, **limits: float) -> BeforeValidator:
-    """Check three quantities."""
-    return BeforeValidator(lambda value: to_vector(value, unit, **limits))
-
-
-def choice(*names: str, later: tuple[str, ...] = ()) -> BeforeValidator:
-    """Check one of some names; those of `later` are known but not in this version."""
-
-    def check(value: Any) -> Any:
-        if isinstance(value, str) and value in names:
-            return value
-        if isinstance(value, str) and value in later:
-            raise RuleError(
-                "is not in this version", cure=f"Use {' or '.join(map(_quoted, names))}.", value=value
-            )
-        cure = suggestion(value, names) if isinstance(value, str) and len(value) < 80 else ""
-        raise RuleError(f"must be {' or '.join(map(_quoted, names))}", cure=cure, value=value)
-
-    return BeforeValidator(check)
-
-
-def _quoted(name: str) -> str:
-    return f'"{name}"'
+def _meanings(model: type[BaseModel]) -> dict[str, str]:
+    """Name -> text of the docstring's section *Attributes*."""
+    text = inspect.cleandoc(model.__doc__ or "")
+    found = re.search(r"^Attributes\n-+\n(.*?)(?=^\w[^\n]*\n-+$|\Z)", text, re.MULTILINE | re.DOTALL)
+    meanings = {}
+    for part in re.split(r"\n(?=\S)", found.group(1).strip()) if found else ():
+        names, _, body = part.partition("\n")
+        meanings.update(dict.fromkeys(names.split(", "), " ".join(body.split())))
+    return meanings

@@ -13,14 +13,10 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from rdpm.config.bodies import BodyGroup, Gap, Lattice, Motion, Packing
 from rdpm.config.body_file import read_body_files
 from rdpm.config.case import Case
-from rdpm.config.contact import Contact
-from rdpm.config.domain import Boundary, Domain, Fluid, WallVelocity
+from rdpm.config.fields import table_of
 from rdpm.config.lines import line_numbers
-from rdpm.config.numerics import Resolution, Time
-from rdpm.config.output import Output
 from rdpm.config.overrides import apply_overrides
 from rdpm.config.rule import Path as KeyPath
 from rdpm.config.rule import RuleError, shown, suggestion
@@ -30,22 +26,6 @@ from rdpm.errors import CaseError
 
 __all__ = ["case_name", "case_to_toml", "load_case"]
 
-_TABLES: dict[str, type[BaseModel]] = {
-    "": Case,
-    "domain": Domain,
-    "boundary": Boundary,
-    "wall_velocity": WallVelocity,
-    "fluid": Fluid,
-    "bodies": BodyGroup,
-    "lattice": Lattice,
-    "packing": Packing,
-    "motion": Motion,
-    "until": Gap,
-    "contact": Contact,
-    "resolution": Resolution,
-    "time": Time,
-    "output": Output,
-}
 _CURES = {
     "domain": 'Add [domain] with size = ["10 cm", "10 cm", "50 cm"].',
     "time": 'Add [time] with end = "4 s".',
@@ -135,9 +115,11 @@ def _translated(item: Any, path: KeyPath) -> RuleError:
     kind, value = item["type"], item["input"]
     name = str(path[-1]) if path else ""
     if kind == "extra_forbidden":
-        table = next((key for key in reversed(path[:-1]) if isinstance(key, str)), "")
-        known = list(_TABLES[table].model_fields) + (["file"] if table == "bodies" else [])
-        return RuleError("unknown key", cure=suggestion(name[:80], known))
+        table: type[BaseModel] = Case
+        for key in path[:-1]:
+            if isinstance(key, str):
+                table = table_of(table.model_fields[key]) or table
+        return RuleError("unknown key", cure=suggestion(name[:80], table.model_fields))
     if kind == "missing":
         return RuleError("is missing", cure=_CURES.get(name, ""))
     if kind.startswith("bool"):

@@ -6,7 +6,8 @@ from typing import Annotated
 
 from pydantic import StrictBool
 
-from rdpm.config.fields import Model, number, whole
+from rdpm.config.declared import LeftOut, Quantity, Whole
+from rdpm.config.fields import Model
 
 __all__ = ["Output"]
 
@@ -18,24 +19,24 @@ class Output(Model):
 
     Attributes
     ----------
-    table_every : float, [s]
-        Time between rows of the tables, > 0; ``time.end / 500`` when left out.
-    fields_every : float, [s]
-        Time between pictures of the flow and the bodies; 0 writes none; ``time.end / 50`` when left out.
-    checkpoint_every : float, optional, [s]
-        Time between checkpoints, > 0, beside those every five minutes of wall time and at the end.
-    checkpoints_kept : int
-        The newest so many are kept, 2 to 10000.
-    report : bool
-        Whether a run makes its figures and ``report.html``.
-    video : bool
+    table_every
+        Time between rows of the tables.
+    fields_every
+        Time between pictures of the flow and the bodies; 0 writes none.
+    checkpoint_every
+        Time between checkpoints, beside those every five minutes of wall time and at the end.
+    checkpoints_kept
+        The newest so many are kept.
+    report
+        Whether a run makes its figures and `report.html`.
+    video
         Whether the report has a video.
     """
 
-    table_every: Annotated[float | None, number("s", above=0.0)] = None
-    fields_every: Annotated[float | None, number("s", least=0.0)] = None
-    checkpoint_every: Annotated[float | None, number("s", above=0.0)] = None
-    checkpoints_kept: Annotated[int, whole(2, 10_000)] = 2
+    table_every: Annotated[float | None, Quantity("s", gt=0.0), LeftOut(f"time.end / {ROWS}")] = None
+    fields_every: Annotated[float | None, Quantity("s", ge=0.0), LeftOut(f"time.end / {FRAMES}")] = None
+    checkpoint_every: Annotated[float | None, Quantity("s", gt=0.0)] = None
+    checkpoints_kept: Annotated[int, Whole(2, 10_000)] = 2
     report: StrictBool = True
     video: StrictBool = True
 

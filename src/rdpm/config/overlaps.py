@@ -38,7 +38,7 @@ def first_overlap(
     Returns
     -------
     tuple (i, j, gap) or None
-        The lowest id i of an overlapping pair, its partner j > i, and their gap [m] < 0.
+        Ids i < j of an overlapping pair, the lowest among up to 200 spheres, and their gap [m] < 0.
 
     Examples
     --------
@@ -51,7 +51,9 @@ def first_overlap(
     if len(diameter) < 2:
         return None
     i, j = (
-        _all_pairs(len(diameter)) if len(diameter) <= _FEW else _near_pairs(position, diameter, box, periodic)
+        _all_pairs(len(diameter))
+        if len(diameter) <= _FEW
+        else _near_pairs(position, diameter, box, periodic, tolerance)
     )
     delta = position[i] - position[j]
     delta -= np.where(periodic, box * np.round(delta / box), 0.0)
@@ -69,19 +71,20 @@ def _all_pairs(count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 
 
 def _near_pairs(
-    position: Floats, diameter: Floats, box: Floats, periodic: NDArray[np.bool_]
+    position: Floats, diameter: Floats, box: Floats, periodic: NDArray[np.bool_], tolerance: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Each sphere's nearest neighbour, and all neighbours of those larger than the smallest."""
+    """Pairs among which is an overlap if there is one: of nearest neighbours, or of all near a larger sphere."""
     from scipy.spatial import cKDTree
 
     tree = cKDTree(position, boxsize=np.where(periodic, box, 0.0))
     ids = np.arange(len(diameter))
     distance, nearest = tree.query(position, k=2)
     j = np.where(nearest[:, 0] == ids, nearest[:, 1], nearest[:, 0])
-    touching = distance[:, 1] < 0.5 * (diameter + diameter[j])
+    # A touch to round-off is no overlap, and must not end the search.
+    overlapping = distance[:, 1] - 0.5 * (diameter + diameter[j]) < -tolerance * np.minimum(diameter, diameter[j])
     large = np.flatnonzero(diameter > diameter.min())
-    if touching.any() or large.size == 0:  # equal spheres: the nearest is the only one to ask
-        return ids[touching], j[touching]
+    if overlapping.any() or large.size == 0:  # equal spheres: the nearest is the only one to ask
+        return ids[overlapping], j[overlapping]
     # a larger sphere meets only centres within its diameter; none of these touch each other, so they are few
     hits = tree.query_ball_point(position[large], diameter[large])
     i = np.repeat(large, [len(hit) for hit in hits])

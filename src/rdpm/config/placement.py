@@ -70,13 +70,13 @@ def expand(groups: tuple[BodyGroup, ...], domain: Domain) -> BodyTable:
     diameter = _joined([_each(g.diameter, n, "diameter", i) for i, g, n in members])
     density = _joined([_each(g.density, n, "density", i) for i, g, n in members])
     velocity = _joined([_velocity(g, n, i, "velocity").ravel() for i, g, n in members]).reshape(-1, 3)
-    spin = _joined([_velocity(g, n, i, "angular_velocity").ravel() for i, g, n in members]).reshape(-1, 3)
+    angular_velocity = _joined([_velocity(g, n, i, "angular_velocity").ravel() for i, g, n in members]).reshape(-1, 3)
     _check_sizes(diameter, group, domain)
     position = _positions(diameter, group, groups, domain)
-    for array in (diameter, density, position, velocity, spin, group):
+    for array in (diameter, density, position, velocity, angular_velocity, group):
         array.setflags(write=False)
     motion = tuple(g.motion for _, g, n in members for _ in range(n))
-    return BodyTable(diameter, density, position, velocity, spin, motion, group)
+    return BodyTable(diameter, density, position, velocity, angular_velocity, motion, group)
 
 
 def _positions(
@@ -172,7 +172,7 @@ def _check_sizes(diameter: Floats, group: NDArray[np.int64], domain: Domain) -> 
             why = (
                 "a body must not meet its own image"
                 if kind == "periodic"
-                else "it does not fit between the sides"
+                else "it does not fit between the faces"
             )
             raise RuleError(
                 f"must be at most {half} along {'xyz'[axis]}, {most:g} m",
@@ -202,7 +202,7 @@ def _check_inside(
             raise RuleError(
                 f"must lie inside the box: {what} reaches {name} = {end:.6g} m, the box {name} = 0 to "
                 f"{length:g} m",
-                "it starts beyond the side",
+                "it starts beyond the face",
                 f"Move it by {max(-end, end - length):.3g} m, or enlarge domain.size.",
                 value=tuple(float(f"{c:.6g}") for c in position[body]),
                 at=_place(groups, group, body),

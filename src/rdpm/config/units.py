@@ -14,15 +14,15 @@ from typing import Any
 
 from rdpm.config.rule import RuleError, shown
 
-__all__ = ["LARGEST", "parse_quantity"]
+__all__ = ["LARGEST", "QUANTITIES", "parse_quantity"]
 
 LARGEST = 1e30  # beyond it, and below its inverse, squares and cubes leave the range of a double
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?)\s*(.*?)\s*", re.DOTALL)
 _UNIT = re.compile(r"(?:[^\W\d_]+|%|°)?(?:[\s*/·.^()-]|[^\W\d_]|_|(?<![\d.])\d(?!\d)|°|%)*")
 
-# what is expected, by SI unit: the quantity's name and an example for the message
-_QUANTITIES = {
+#: What is expected, by SI unit: the quantity's name and an example for the message.
+QUANTITIES = {
     "m": ("a length", "15 mm"),
     "s": ("a time", "10 ms"),
     "m/s": ("a velocity", "5 cm/s"),
@@ -147,7 +147,7 @@ def _registry() -> Any:
 
 
 def _expected(unit: str, value: Any, reason: str) -> RuleError:
-    name, example = _QUANTITIES.get(unit, (f"a quantity in {unit}", f"1 {unit}"))
+    name, example = QUANTITIES.get(unit, (f"a quantity in {unit}", f"1 {unit}"))
     cure = (
         f'Write a number in {unit}, or text such as "{example}".'
         if unit

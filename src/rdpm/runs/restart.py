@@ -60,11 +60,9 @@ def case_to_continue(requested: Case, saved: Saved, tell: Callable[[str], None])
             tell(f"note: {key} stays {was:g} s in a run that continues, not {now:g} s")
     kept = {name: getattr(began.output, name) for name in ("table_every", "fields_every")}
     update: dict[str, Any] = {"title": requested.title, "output": requested.output.model_copy(update=kept)}
-    is_adaptive = began.time.step == "adaptive"
     if requested.time.end != began.time.end:
-        update["time"] = began.time.model_copy(update={"end": requested.time.end, **_same_steps(saved, is_adaptive)})
-    if is_adaptive:
-        update["time"] = update.get("time", began.time).continued(float(saved.facts["contact_step_s"]))
+        same = _same_steps(saved, began.time.step == "adaptive")
+        update["time"] = began.time.model_copy(update={"end": requested.time.end, **same})
     return began.model_copy(update=update)
 
 

@@ -184,7 +184,9 @@ class _Run:
     ) -> None:
         self.case, self.files, self.teller = case, files, teller
         self.saved, self.is_same = saved, is_same
-        self.simulation = Simulation(case, threads)
+        # Adaptive steps stay tied to the contact step with which the run began, whatever its end is now.
+        contact_step = saved.facts["contact_step_s"] if saved is not None and is_same else None
+        self.simulation = Simulation(case, threads, contact_step=contact_step)
         if saved is not None:
             restore(self.simulation, saved, is_same)
             teller.note(f"{'continued' if is_same else 'started'} from {saved.path}, t = {saved.time:.6g} s")

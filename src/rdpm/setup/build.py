@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from rdpm.config.case import Case
-from rdpm.config.domain import SIDES
 from rdpm.contacts import Box, Contacts, Lubrication
 from rdpm.coupling.mean_flow import MeanFlow
 from rdpm.coupling.system import System
@@ -36,6 +35,8 @@ class Simulation(TimeLoop):
         All processors, or OMP_NUM_THREADS, when left out.
     calibration : Calibration, optional
         Other fitted numbers than those rdpm was validated with.
+    contact_step : float, optional, [s]
+        Step that the contacts' parameters are tied to, where adaptive steps continue those of another run.
 
     Attributes
     ----------
@@ -58,8 +59,14 @@ class Simulation(TimeLoop):
     True
     """
 
-    def __init__(self, case: Case, threads: int | None = None, calibration: Calibration = CALIBRATION) -> None:
-        self.case, self.plan = case, plan(case)
+    def __init__(
+        self,
+        case: Case,
+        threads: int | None = None,
+        calibration: Calibration = CALIBRATION,
+        contact_step: float | None = None,
+    ) -> None:
+        self.case, self.plan = case, plan(case, contact_step)
         system = _system(self.plan, threads or available_threads(), calibration)
         super().__init__(system, self.plan.step.dt, self.plan.step_control)
 
@@ -68,7 +75,7 @@ def _system(made: Plan, threads: int, calibration: Calibration) -> System:
     case, fluid = made.case, made.case.fluid
     bodies, prescription = _bodies(case)
     domain = case.domain
-    wall_velocity = np.array([getattr(domain.wall_velocity, side) or (0.0, 0.0, 0.0) for side in SIDES])
+    wall_velocity = np.array(domain.wall_velocities)
     x, y, z = domain.size
     has_wall = [kind == "wall" for kind in domain.kinds]
     box = Box((x, y, z), domain.is_periodic, (has_wall[0], has_wall[1], has_wall[2]), wall_velocity)

@@ -3,26 +3,40 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from rdpm.config.case import Case
 from rdpm.fluid.timestep import Choice
+from rdpm.setup.contact import PairKind
 from rdpm.setup.scales import Scales, available_memory
 
-if TYPE_CHECKING:
-    from rdpm.setup.plan import PairKind, PlanRow
+__all__ = ["EXPECTED_NS", "PlanRow", "sections"]
 
-__all__ = ["sections"]
+#: Nanoseconds a cell and step on one thread, for the estimate of a run's time.
+EXPECTED_NS = 20.0
+
+Verdict = Literal["", "ok", "warning"]
 
 _LIMITS = {
     "advective": "the flow crosses time.cfl of a cell",
     "viscous": "diffusion is stable",
     "contact": "a contact keeps its least steps, a dry impact its overlap",
-    "user": "as asked",
+    "user": "as given",
     "output": "one step to the end",
 }
+
+
+@dataclass(frozen=True)
+class PlanRow:
+    """One line of what a case implies."""
+
+    name: str
+    value: str
+    verdict: Verdict = ""
+    note: str = ""
 
 
 def sections(
@@ -52,8 +66,6 @@ def sections(
 
 
 def _row(name: str, value: str, ok: bool | None = None, note: str = "") -> PlanRow:
-    from rdpm.setup.plan import PlanRow
-
     return PlanRow(name, value, "" if ok is None else "ok" if ok else "warning", note)
 
 
@@ -111,15 +123,13 @@ def _flow(case: Case, found: Scales) -> list[PlanRow]:
             "Stokes number St",
             f"{ratio * reynolds / 9.0:.4g}",
             None,
-            "no rebound below about 10: the film absorbs it" if ratio * reynolds / 9.0 < 10.0 else "",
+            "no rebound below about 10: lubrication absorbs it" if ratio * reynolds / 9.0 < 10.0 else "",
         ),
     ]
     return rows
 
 
 def _time(cells: tuple[int, int, int] | None, step: Choice, steps: int) -> list[PlanRow]:
-    from rdpm.setup.plan import EXPECTED_NS
-
     is_adaptive = step.longest is not None
     span = f" to {step.longest:.4g} s" if is_adaptive else " s"
     fallback = "adaptive; near a contact the shortest; its " if is_adaptive else ""

@@ -54,17 +54,7 @@ def scales(case: Case) -> Scales:
     """
     bodies, gravity = case.expanded_bodies(), np.array(case.domain.gravity)
     n, g = len(bodies), float(np.linalg.norm(gravity))
-    speed, terminal = (
-        np.abs(
-            np.array(
-                [
-                    getattr(case.domain.wall_velocity, side) or (0.0, 0.0, 0.0)
-                    for side in ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
-                ]
-            )
-        ).max(axis=0),
-        np.zeros(n),
-    )
+    speed, terminal = np.abs(np.array(case.domain.wall_velocities)).max(axis=0), np.zeros(n)
     given = [np.abs(bodies.velocity)] if n else []
     for motion in bodies.motion:
         if not isinstance(motion, str):
