@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from rdpm.design import front_door
 from rdpm.design.dimensionless import (
+    added_mass,
+    legendre,
     reduced_mass,
     sphere_mass,
     stokes_number,
@@ -53,6 +55,7 @@ soft_sphere = front_door.soft_sphere
 __all__ = [
     "Design",
     "Verdict",
+    "added_mass",
     "contact_parameters",
     "contact_steps_for_stiffness",
     "contact_time",
@@ -65,6 +68,7 @@ __all__ = [
     "impact_speed_for_overlap",
     "largest_contact_time",
     "largest_time_step",
+    "legendre",
     "obtained_restitution",
     "peak_overlap",
     "produced_restitution",
