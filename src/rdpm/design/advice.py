@@ -128,7 +128,8 @@ def advise_on_spring(
         text = f"dt = {time_text(step)} resolves this spring by {contact_steps:.3g} steps;"
         text += f" at most {time_text(at_most)} ({least})."
     else:
-        text = f"For this spring take dt = {time_text(step)} ({best} contact steps), at most {time_text(at_most)} ({least})."
+        text = f"For this spring take dt = {time_text(step)} ({best} contact steps),"
+        text += f" at most {time_text(at_most)} ({least})."
     text += _springs(stiffness, contact_time, (shortest, asks), (longest, decides))
     at_design = None if contact_steps is None else contact_time / contact_steps
     return Advice(shortest, longest, None, best, at_most, at_design, step, text)

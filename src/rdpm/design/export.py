@@ -275,7 +275,8 @@ def _mercurydpm(design: Design, run: Trial) -> str:
 
     lines: list[str] = []
     for density, name in named.items():
-        lines += [f"    auto {name} = speciesHandler.copyAndAddObject({kind}());", f"    {name}->setDensity({density:.12g});"]
+        lines += [f"    auto {name} = speciesHandler.copyAndAddObject({kind}());"]
+        lines += [f"    {name}->setDensity({density:.12g});"]
         lines += calls(name, run.pair)
     lines += [f"    auto wall = speciesHandler.copyAndAddObject({kind}());", "    wall->setDensity(1.0);"]
     lines += calls("wall", run.walls[1])
@@ -284,15 +285,20 @@ def _mercurydpm(design: Design, run: Trial) -> str:
     for a, b, spring in pairs:
         lines += calls(f"speciesHandler.getMixedObject({a}, {b})", spring)
     far = 4.0 * max(s.diameter_m for s in run.spheres)
-    setup = [f"    setTimeStep({run.there.time_step:.12g});", f"    // {_END}", '    setName("pair");',
-             f"    setTimeMax({sum(run.steps) * run.there.time_step:.12g});",
-             f"    setMin(Vec3D({-far:.9g}, {-far:.9g}, {-far:.9g})); setMax(Vec3D({run.wall:.15g}, {far:.9g}, {far:.9g}));",
-             "    InfiniteWall plane;", "    plane.setSpecies(wall);",
-             f"    plane.set(Vec3D(1, 0, 0), Vec3D({run.wall:.15g}, 0, 0));", "    wallHandler.copyAndAddObject(plane);"]  # fmt: skip
+    setup = [
+        f"    setTimeStep({run.there.time_step:.12g});", f"    // {_END}", '    setName("pair");',
+        f"    setTimeMax({sum(run.steps) * run.there.time_step:.12g});",
+        f"    setMin(Vec3D({-far:.9g}, {-far:.9g}, {-far:.9g}));",
+        f"    setMax(Vec3D({run.wall:.15g}, {far:.9g}, {far:.9g}));",
+        "    InfiniteWall plane;", "    plane.setSpecies(wall);",
+        f"    plane.set(Vec3D(1, 0, 0), Vec3D({run.wall:.15g}, 0, 0));", "    wallHandler.copyAndAddObject(plane);",
+    ]  # fmt: skip
     for s, x, v in zip(run.spheres, run.places, run.speeds, strict=True):
-        setup += ["    {", "      SphericalParticle p;", f"      p.setSpecies({named[s.density_kg_m3]});",
-                  f"      p.setRadius({0.5 * s.diameter_m:.12g});", f"      p.setPosition(Vec3D({x:.15g}, 0, 0));",
-                  f"      p.setVelocity(Vec3D({v:.15g}, 0, 0));", "      particleHandler.copyAndAddObject(p);", "    }"]  # fmt: skip
+        setup += [
+            "    {", "      SphericalParticle p;", f"      p.setSpecies({named[s.density_kg_m3]});",
+            f"      p.setRadius({0.5 * s.diameter_m:.12g});", f"      p.setPosition(Vec3D({x:.15g}, 0, 0));",
+            f"      p.setVelocity(Vec3D({v:.15g}, 0, 0));", "      particleHandler.copyAndAddObject(p);", "    }",
+        ]  # fmt: skip
     return "\n".join([
         *head, "#include <Mercury3D.h>", f"#include <Species/{kind}.h>", "#include <Walls/InfiniteWall.h>",
         "class Pair : public Mercury3D {", "  void setupInitialConditions() override {", f"    // {_COPY}",

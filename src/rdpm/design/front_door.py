@@ -202,7 +202,8 @@ def soft_sphere(
     return Design(
         stiffness_N_m=k_n, damping_N_s_m=eta_n, restitution=e, contact_time_s=duration, contact_steps=steps,
         damping_ratio=zeta, regime=regime_of(zeta), ending=ending, reduced_mass_kg=m, diameter_m=d,
-        spheres=tuple(Body(*sphere) for sphere in pair.spheres), is_wall=wall, time_step_s=step, impact_speed_m_s=impact.speed, impact_speed_source=impact.source,
+        spheres=tuple(Body(*sphere) for sphere in pair.spheres), is_wall=wall, time_step_s=step,
+        impact_speed_m_s=impact.speed, impact_speed_source=impact.source,
         max_overlap_m=overlap, max_overlap_fraction=overlap_fraction, static_overlap_fraction=sink,
         overlap_limit_fraction=limit, hertz_contact_time_s=hertz, rayleigh_time_s=rayleigh,
         terminal_velocity_m_s=impact.terminal_velocity, terminal_reynolds_number=impact.terminal_reynolds,

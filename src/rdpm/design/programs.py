@@ -1,4 +1,4 @@
-"""Other programs: how each steps a contact and ends it, which time step it needs, and a run of it that shows the contact."""
+"""Other programs: how each steps a contact and ends it, the time step it needs, a run that shows the contact."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ PROGRAMS = {
         "MercuryDPM", "zero-overlap", "Not run; read against the documentation and drivers of MercuryDPM."
     ),
 }
-"""Names that :func:`rdpm.design.export.export` knows. All step velocities first, with the forces of the positions before,
-then positions: in half-step velocities that is semi-implicit Euler, velocity Verlet and leapfrog alike."""
+"""Names that :func:`rdpm.design.export.export` knows. All step velocities first, with the forces at the positions
+before, then positions: in half-step velocities that is semi-implicit Euler, velocity Verlet and leapfrog alike."""
 
 
 @dataclass(frozen=True)
@@ -159,8 +159,8 @@ class Trial:
     pair : Spring
         Of the two spheres.
     walls : tuple of Spring
-        Of each sphere and a wall: pair and wall last as long, with the same restitution and overlap, where stiffness and
-        damping go with the reduced mass.
+        Of each sphere and a wall. Stiffness and damping go with the reduced mass, so that contact time, restitution and
+        overlap are the pair's.
     speeds : tuple of float, [m/s]
         Along x at the start; their difference is the impact speed.
     places : tuple of float, [m]

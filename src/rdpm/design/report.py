@@ -1,7 +1,7 @@
 """A design as a table people read: quantity, value, unit, and how it came about.
 
-Written from the plain form of a design (:meth:`rdpm.design.Design.to_dict`, the JSON output), so that a stored one reads
-the same.
+Written from the plain form of a design (:meth:`rdpm.design.Design.to_dict`, the JSON output), so that a
+stored one reads the same.
 """
 
 from __future__ import annotations

@@ -62,7 +62,7 @@ class Verdict(_Record):
 class Body(_Record):
     """A sphere of the contact."""
 
-    diameter_m: float  # noqa: N815
+    diameter_m: float
     density_kg_m3: float
 
 

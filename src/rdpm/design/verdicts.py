@@ -162,9 +162,10 @@ def _regime(damping_ratio: float, ending: Ending) -> Verdict:
     bad = regime == "overdamped" or (regime == "critical" and ending == "zero-overlap")
     sign = {"underdamped": "< 1", "critical": "= 1", "overdamped": "> 1"}[regime]
     number = "1" if regime == "critical" else f"{damping_ratio:.3g}"
-    text = f"damping ratio {number} {sign} ({regime}: {_REGIMES[regime, ending]})"
-    return _verdict("regime", damping_ratio, 1.0, "fail" if bad else "ok", text,
-                    f"{regime}: {_REGIMES[regime, ending]}", "Schwager, Poeschel, Granular Matter 9 (2007) 465")  # fmt: skip
+    reason = f"{regime}: {_REGIMES[regime, ending]}"
+    return _verdict("regime", damping_ratio, 1.0, "fail" if bad else "ok",
+                    f"damping ratio {number} {sign} ({reason})", reason,
+                    "Schwager, Poeschel, Granular Matter 9 (2007) 465")  # fmt: skip
 
 
 def _wet(stokes_number: float) -> Verdict:
