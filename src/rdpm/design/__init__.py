@@ -34,12 +34,12 @@ from rdpm.design.overlap import (
 )
 from rdpm.design.result import Design, Verdict
 from rdpm.design.soft_sphere import (
+    achieved_restitution,
     contact_parameters,
     contact_time,
     damping_from_stiffness,
     damping_ratio,
     dimensionless_contact_time,
-    obtained_restitution,
     peak_overlap,
     ratio_from_poisson,
     restitution,
@@ -55,6 +55,7 @@ soft_sphere = front_door.soft_sphere
 __all__ = [
     "Design",
     "Verdict",
+    "achieved_restitution",
     "added_mass",
     "contact_parameters",
     "contact_steps_for_stiffness",
@@ -69,7 +70,6 @@ __all__ = [
     "largest_contact_time",
     "largest_time_step",
     "legendre",
-    "obtained_restitution",
     "peak_overlap",
     "produced_restitution",
     "ratio_from_poisson",

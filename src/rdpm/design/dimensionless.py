@@ -177,7 +177,7 @@ def legendre(restitution: Values, stokes_number: Values) -> Values:
     Notes
     -----
     A fit to rebounds from a wall, the constant included; used for pairs as it stands. Roughness and the
-    viscosity of the film are not covered, and near the critical Stokes number it is an estimate.
+    viscosity of the lubrication layer are not covered, and near the critical Stokes number it is an estimate.
 
     References
     ----------

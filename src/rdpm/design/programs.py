@@ -33,7 +33,7 @@ class Program(NamedTuple):
 PROGRAMS = {
     "lammps": Program("LAMMPS", None, "Run with LAMMPS 22Jul2025: pair and wall give the restitution below."),
     "liggghts": Program("LIGGGHTS", None, "Run with LIGGGHTS-PUBLIC 3.8.0: pair and wall give the restitution below."),
-    "mfix": Program("MFIX-DEM", "zero-overlap", "Not run; read against the user guide and the sources of MFiX 21.3."),
+    "mfix": Program("MFIX-DEM", "zero-overlap", "Not run; read against the user guide and published sources of MFiX."),
     "yade": Program("YADE", "zero-force", "Run with YADE 2023.02a: pair and wall give the restitution below."),
     "mercurydpm": Program(
         "MercuryDPM", "zero-overlap", "Not run; read against the documentation and drivers of MercuryDPM."
@@ -121,7 +121,7 @@ def step_lines(design: Design) -> list[str]:
     --------
     >>> from rdpm.design import soft_sphere
     >>> print(step_lines(soft_sphere(mass=1e-3, restitution=0.5, contact_time=8e-3))[2])
-    MFIX-DEM    dt = 162 us     (50 steps); e_n 0.433 (0.428 to 0.443): it ends a contact at zero-overlap
+    MFIX-DEM    dt = 191 us     (50 steps); e_n 0.433 (0.427 to 0.442): it ends a contact at zero-overlap
     """
     lines = []
     for name, program in PROGRAMS.items():

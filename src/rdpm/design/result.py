@@ -103,13 +103,13 @@ class Advice(_Record):
     largest_time_step_at_contact_steps_s: float | None
     """At the contact steps of this design."""
     time_step_s: float | None
-    """The one to take: of the spring given, or of the contact steps asked for; None where none keeps to all limits."""
+    """The one to take: of the spring given, or of the contact steps given; None where none keeps to all limits."""
     text: str
 
 
 @dataclass(frozen=True)
 class Design(_Record):
-    """A designed contact. Attributes carry their unit; None where undefined or not asked.
+    """A designed contact. Attributes carry their unit; None where undefined or unknown.
 
     Examples
     --------
