@@ -124,6 +124,13 @@ def test_charts_are_written(run, tmp_path):
     assert all((tmp_path / "charts" / n).read_bytes().startswith(b"\x89PNG") for n in names)
 
 
+def test_charts_of_an_undamped_contact(run, tmp_path):
+    """A damping of zero is on no logarithmic axis; matplotlib's warnings are errors here."""
+    words = ["--mass", "1e-3", "--restitution", "1", "--stiffness", "100", "--time-step", "1e-3"]
+    run(*words, "--figures", str(tmp_path))
+    assert len(list(tmp_path.iterdir())) == 6
+
+
 @pytest.mark.parametrize(("kind", "start"), [("pdf", b"%PDF"), ("svg", b"<?xml")])
 def test_charts_in_other_formats(run, tmp_path, kind, start):
     run(*CONTACT, "--figures", str(tmp_path), "--figure-format", kind)

@@ -112,7 +112,8 @@ def render(design: dict[str, Any], units: Units = "si") -> str:
     for v in design["verdicts"]:
         out.append("  " + {"ok": "ok   ", "note": "note: ", "fail": "FAIL "}[v["severity"]] + v["text"])
         if v["severity"] != "ok":
-            out.append(f"       {v['reason']} ({v['source']})")
+            why = "" if v["reason"] in v["text"] else f"{v['reason']}; "
+            out.append(f"       {why}{v['source']}")
     if design["predictions"]:
         out += ["", "Restitution achieved without sub-steps (mean, least to greatest over the phase)"]
         for p in design["predictions"]:

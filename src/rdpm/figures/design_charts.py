@@ -170,7 +170,7 @@ def contact_steps_chart(
     reduced_mass : float, [kg]
         > 0.
     restitution : float, [-]
-        In (0, 1).
+        In (0, 1].
     time_steps : sequence of float, [s]
         > 0.
     contact_steps : (n,) array, [-]
@@ -196,7 +196,8 @@ def contact_steps_chart(
             line(left, i, n, table.stiffness, f"$\\delta t$ = {time_text(dt)}")
             line(right, i, n, table.damping, f"$\\delta t$ = {time_text(dt)}")
         for axes, name, at in ((left, _K, 1), (right, _ETA, 2)):
-            axes.set(ylabel=name, yscale="log")
+            is_damped = axes is left or restitution < 1.0
+            axes.set(ylabel=name, yscale="log" if is_damped else "linear")
             own(axes, None if own_design is None else (own_design[0], own_design[at]))
         right.set_xlabel("contact steps $N_c$")
         figure.align_ylabels()

@@ -104,8 +104,8 @@ def line(axes: Any, i: int, x: Any, y: Any, label: str, **more: Any) -> None:
 
 
 def own(axes: Any, mark: tuple[float, float] | None) -> None:
-    """Mark the user's own design."""
-    if mark is not None:
+    """Mark the user's own design; an undamped one has no place on a logarithmic axis of damping."""
+    if mark is not None and not (axes.get_yscale() == "log" and mark[1] <= 0.0):
         star: Any = {"marker": "*", "ms": 10, "mfc": "#F0E442", "mec": "#262626", "mew": 0.8, "ls": "none"}
         axes.plot(*mark, **star, label=_OWN, zorder=5, clip_on=False)
 
