@@ -21,7 +21,7 @@ from rdpm.design import (
     terminal_velocity,
     wet_restitution,
 )
-from rdpm.design.verdicts import advise
+from rdpm.design.advice import advise_on_steps
 from rdpm.errors import CaseError
 
 BEAD = {"diameter": 1e-3, "density": 2500.0, "fluid_density": 998.0, "viscosity": 1e-3}
@@ -55,6 +55,9 @@ BEAD = {"diameter": 1e-3, "density": 2500.0, "fluid_density": 998.0, "viscosity"
          "poisson_ratio", "must be given"),
         ({"mass": 1.0, "stiffness": 1.0, "restitution": 0.5, "ending": "never"}, "ending", "Name one"),
         ({"stiffness": 1.0, "damping": 1.0, "contact_time": 1.0}, "mass", "Give the mass"),
+        ({**BEAD, "restitution": 0.5, "max_overlap": 0.5}, "max_overlap", 'write 0.005, or "0.5 %"'),
+        ({**BEAD, "restitution": 0.5, "static_overlap": 0.2}, "static_overlap", "at most 0.05"),
+        ({**BEAD, "restitution": 0.5, "stiffness": 1.0, "overlap_limit": 0.051}, "overlap_limit", "0.00051"),
         ({**BEAD, "stiffness": 1.0, "static_overlap": 0.01, "damping": 0.0}, "static_overlap", "Take one"),
     ],
 )  # fmt: skip
@@ -114,6 +117,7 @@ def test_glass_beads_in_water():
     d = soft_sphere(**BEAD, restitution=0.97, contact_steps=8, time_step=1e-3)
     verdicts = {v.name: v.ok for v in d.verdicts}
     assert not verdicts["max_overlap"]
+    assert d.advice.time_step_s < 1e-4
     assert d.advice.best_contact_steps is None
     assert d.advice.text.startswith("No N_c")
     # the advice, taken, passes every limit of overlap and resolution
@@ -125,12 +129,103 @@ def test_glass_beads_in_water():
 
 
 def test_advice_names_the_softest_contact_allowed():
-    assert advise(shortest=None, longest=11.2e-3, time_step=1e-3, contact_steps=None).best_contact_steps == 11
-    wide = advise(shortest=None, longest=1.0, time_step=1e-3, contact_steps=None)
-    assert (wide.contact_steps_range, wide.best_contact_steps) == ((4, 1000), 15)
-    hertz = advise(shortest=30e-3, longest=1.0, time_step=1e-3, contact_steps=None)
-    assert hertz.best_contact_steps == 30
-    assert "Hertz" in advise(shortest=2.0, longest=1.0, time_step=1e-3, contact_steps=None).text
+    given = {"time_step": 1e-3, "contact_steps": 8.0}
+    assert advise_on_steps(shortest=None, longest=11.2e-3, **given).best_contact_steps == 11
+    wide = advise_on_steps(shortest=None, longest=1.0, **given)
+    assert (wide.contact_steps_range, wide.best_contact_steps, wide.time_step_s) == ((4, 1000), 15, 1e-3)
+    assert advise_on_steps(shortest=30e-3, longest=1.0, **given).best_contact_steps == 30
+    none = advise_on_steps(shortest=2.0, longest=1.0, asks="Rayleigh", **given)
+    assert "Rayleigh asks 2 s" in none.text
+    assert none.time_step_s is None
+
+
+@pytest.mark.parametrize(
+    ("given", "taken"),
+    [
+        ({"youngs_modulus": 63e9, "poisson_ratio": 0.22, "restitution": 0.97}, 8),
+        ({"stiffness": 1e5, "restitution": 0.97}, 8),
+        ({"stiffness": 1e5, "damping": 0.01}, 8),
+        ({"stiffness": 1e5, "restitution": 0.97, "time_step": 1e-3}, 8),  # 0.008 steps a contact
+        ({"stiffness": 1e5, "restitution": 0.97, "contact_steps": 12}, 12),
+        ({"stiffness": 1e5, "restitution": 0.97, "time_step": 1e-6}, 7.99),
+        ({"contact_time": 1e-6, "restitution": 0.97, "contact_steps": 2}, 8),
+        ({"max_overlap": 0.002, "restitution": 0.97}, 8),
+    ],
+)
+def test_advice_is_for_the_spring_given(given, taken):
+    """No time step in it is above a quarter of that spring's contact time, whatever softer springs would allow."""
+    d = soft_sphere(**BEAD, **given)
+    t_c, advice = d.contact_time_s, d.advice
+    assert advice.largest_time_step_s == pytest.approx(t_c / 4, rel=1e-12)
+    assert advice.time_step_s == pytest.approx(t_c / taken, rel=1e-2)
+    assert advice.best_contact_steps == int(taken)
+    assert f"{1e9 * advice.time_step_s:.3g} ns" in advice.text or f"{1e6 * advice.time_step_s:.3g} us" in advice.text
+
+
+def test_advice_says_which_springs_would_do():
+    soft = soft_sphere(**BEAD, stiffness=1.0, restitution=0.9)
+    least = float(soft.advice.text.split("k_n of at least ")[1].split()[0])
+    assert "too soft: the overlap at the impact speed" in soft.advice.text
+    assert soft_sphere(**BEAD, stiffness=1.01 * least, restitution=0.9).ok
+    glass = {"youngs_modulus": 7e10, "poisson_ratio": 0.22}
+    stiff = soft_sphere(**BEAD, **glass, stiffness=1e9, restitution=0.9)
+    most = float(stiff.advice.text.split("k_n of at most ")[1].split()[0])
+    assert "too stiff: Hertz" in stiff.advice.text
+    assert soft_sphere(**BEAD, **glass, stiffness=0.99 * most, restitution=0.9).ok
+    endless = soft_sphere(**BEAD, stiffness=1.0, damping=1.0, ending="zero-overlap")
+    assert endless.advice.time_step_s is None
+    assert "lower the damping" in endless.advice.text
+
+
+def test_the_bound_that_decides_is_named():
+    """Surface waves round a soft, fast sphere outlast Hertz's contact: it is Rayleigh's time that asks."""
+    d = soft_sphere(diameter=0.015, density=1120.0, restitution=0.5, contact_steps=8, time_step=1e-3,
+                    impact_speed=2.0, youngs_modulus=3e5, poisson_ratio=0.3)  # fmt: skip
+    first, second = ("Rayleigh", d.rayleigh_time_s), ("Hertz", d.hertz_contact_time_s)
+    name, time = max(first, second, key=lambda pair: pair[1])
+    assert f"{name} asks {1e3 * time:.3g} ms" in d.advice.text
+    fast = soft_sphere(diameter=0.015, density=1120.0, restitution=0.5, contact_steps=8, time_step=1e-3,
+                       impact_speed=200.0, youngs_modulus=3e5, poisson_ratio=0.3)  # fmt: skip
+    assert fast.rayleigh_time_s > fast.hertz_contact_time_s
+    assert f"Rayleigh asks {1e3 * fast.rayleigh_time_s:.3g} ms" in fast.advice.text
+
+
+def test_an_input_does_not_move_its_own_limit():
+    wide = soft_sphere(**BEAD, restitution=0.9, max_overlap=0.02)
+    found = {v.name: v for v in wide.verdicts}["max_overlap"]
+    assert (found.ok, found.severity, found.limit) == (False, "fail", 0.005)
+    assert str(found) == "FAIL overlap 2 % d > 0.5 % (at 14.8 cm/s)"
+    told = soft_sphere(**BEAD, restitution=0.9, max_overlap=0.02, overlap_limit=0.03)
+    found = {v.name: v for v in told.verdicts}["max_overlap"]
+    assert (found.ok, found.severity, found.limit) == (True, "note", 0.02)
+    assert "> 0.5 %, the usual limit (at 14.8 cm/s); within the 2 % allowed here" in found.text
+    tight = soft_sphere(**BEAD, restitution=0.9, max_overlap=0.002)
+    assert tight.overlap_limit_fraction == 0.002
+    assert tight.ok
+
+
+def test_verdicts_are_said_as_a_reader_says_them():
+    d = soft_sphere(diameter=0.015, density=1120.0, fluid_density=962.0, viscosity=0.113, restitution=0.5,
+                    contact_steps=3, time_step=1e-3, impact_speed=0.041, youngs_modulus=1e6,
+                    poisson_ratio=0.3)  # fmt: skip
+    assert [str(v) for v in d.verdicts] == [
+        "ok   damping ratio 0.255 < 1 (underdamped: the sphere rebounds)",
+        "FAIL contact resolved by 3 steps < 4",
+        "ok   overlap 0.214 % d <= 0.5 % (at 4.1 cm/s)",
+        "ok   overlap at rest 0.0225 % d <= 0.5 % (under the submerged weight)",
+        "FAIL contact time 3 ms < 5.28 ms (Hertz, at 4.1 cm/s)",
+        "ok   contact time 3 ms >= 1.37 ms (Rayleigh)",
+        "note: viscous damping governs (St 1.35 < 10); e_n and k_n hardly matter",
+    ]
+    assert all((v.severity == "fail") == (not v.ok) for v in d.verdicts)
+    assert not d.ok
+
+
+def test_little_rebound_in_the_liquid_is_a_note_and_breaks_nothing():
+    d = soft_sphere(**BEAD, restitution=0.97, contact_steps=15, time_step=1e-4, impact_speed=0.01)
+    found = d.verdicts[-1]
+    assert (found.name, found.ok, found.severity) == ("wet_rebound", True, "note")
+    assert d.ok
 
 
 def test_best_contact_steps_sit_on_the_overlap_limit():
@@ -166,6 +261,19 @@ def test_unequal_spheres_and_walls():
     wall = soft_sphere(diameter=2e-3, density=1000.0, wall=True, restitution=0.5, contact_time=1e-3)
     equal = soft_sphere(diameter=2e-3, density=1000.0, restitution=0.5, contact_time=1e-3)
     assert wall.stiffness_N_m == pytest.approx(2.0 * equal.stiffness_N_m, rel=1e-14)
+
+
+def test_wet_restitution_has_the_added_mass_of_both():
+    light, heavy = {"diameter": 0.01, "density": 1100.0}, {"diameter2": 0.004, "density2": 7800.0}
+    known = {"fluid_density": 1000.0, "viscosity": 1e-3, "impact_speed": 0.1, "restitution": 0.97}
+    d = soft_sphere(**light, **heavy, **known, contact_time=1e-4)
+    m = [math.pi / 6 * 1e-6 * (1100.0 + 500.0), math.pi / 6 * 0.064e-6 * (7800.0 + 500.0)]
+    a = 0.005 * 0.002 / 0.007
+    stokes = m[0] * m[1] / (m[0] + m[1]) * 0.1 / (6 * math.pi * 1e-3 * a * a)
+    assert d.wet_restitution == pytest.approx(0.97 * math.exp(-35.0 / stokes), rel=1e-12)
+    # of one density it is the published form, St (1 + rho_f/(2 rho_p))
+    same = soft_sphere(**light, **known, contact_time=1e-4)
+    assert same.wet_restitution == pytest.approx(wet_restitution(0.97, same.stokes_number, 1.1), rel=1e-12)
 
 
 def test_stokes_numbers_and_wet_rebound():

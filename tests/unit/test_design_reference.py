@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from rdpm.design import (
+    achieved_restitution,
     contact_parameters,
     contact_steps_for_stiffness,
     contact_time,
@@ -15,7 +16,6 @@ from rdpm.design import (
     hertz_contact_time,
     hertz_overlap,
     impact_speed_for_overlap,
-    obtained_restitution,
     peak_overlap,
     produced_restitution,
     restitution,
@@ -73,7 +73,7 @@ def test_parameter_sets_of_the_talk(row):
     assert d.damping_ratio == pytest.approx(row["zeta"], rel=SIX_DIGITS)
     assert d.contact_time_s == pytest.approx(row["t_c_s"], rel=SIX_DIGITS)
     assert d.max_overlap_m == pytest.approx(row["overlap_s"], rel=SIX_DIGITS)
-    assert obtained_restitution(0.990245e-3, k, eta) == pytest.approx(row["e_zero_force"], rel=SIX_DIGITS)
+    assert achieved_restitution(0.990245e-3, k, eta) == pytest.approx(row["e_zero_force"], rel=SIX_DIGITS)
     if end == "zero-overlap":
         assert d.restitution == pytest.approx(row["e_zero_overlap"], rel=SIX_DIGITS)
     else:  # the talk's formulas do not exist here, and that is said

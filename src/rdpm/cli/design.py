@@ -80,6 +80,7 @@ def design(
     as_json: Annotated[bool, Parameter(name="--json", negative="")] = False,
     csv: Path | None = None,
     figures: Path | None = None,
+    figure_format: Literal["png", "pdf", "svg"] = "png",
     export: _Program | None = None,
 ) -> int:
     """Design collision parameters from what is known, and judge them.
@@ -150,8 +151,10 @@ def design(
         Write the table of a sweep or approach to this file instead of printing it.
     figures
         Write charts into this folder.
+    figure_format
+        Of the charts.
     export
-        Print an input fragment for this program.
+        Print an input of this program: the contact, and a run of two spheres and a wall that shows it.
     """
     texts = {name: value for name, value in locals().items() if name in _UNITS and value is not None}
     single = {name: _number(name, text) for name, text in texts.items() if ":" not in text}
@@ -178,7 +181,7 @@ def design(
     if csv is not None:
         _write_table([_row("", 0.0, one)], csv)
     if figures is not None:
-        _draw(one, single.get("max_overlap", single.get("overlap_limit", 0.005)), figures)
+        _draw(one, figures, figure_format)
     return 0
 
 
@@ -239,12 +242,17 @@ def _print_one(one: Design, units: Literal["si", "cgs"], as_json: bool, export: 
         from rdpm.design.export import export as fragment
 
         print(fragment(one, export), end="")
-    elif as_json:
-        print(json.dumps(one.to_dict(), indent=2))
+        return
+    from rdpm.design.programs import step_lines, steps_there
+
+    if as_json:
+        print(json.dumps({**one.to_dict(), "programs": steps_there(one)}, indent=2))
     else:
         from rdpm.design.report import render
 
-        print(render(one, units))
+        print(render(one.to_dict(), units))
+        print("\nThis spring in other programs (--export NAME writes the input)")
+        print("\n".join(f"  {line}" for line in step_lines(one)))
 
 
 def _row(name: str, value: float, one: Design) -> dict[str, Any]:
@@ -291,7 +299,7 @@ def _approach_table(
     return approach_rows(approach, swept[wanted], single, wall=wall, ending=ending)
 
 
-def _draw(one: Design, overlap_limit: float, folder: Path) -> None:
+def _draw(one: Design, folder: Path, kind: Literal["png", "pdf", "svg"]) -> None:
     """Write the charts of one design and name the files."""
     if not one.restitution or one.time_step_s is None:
         rule, why = (
@@ -304,7 +312,7 @@ def _draw(one: Design, overlap_limit: float, folder: Path) -> None:
     files = save_charts(
         folder, reduced_mass=one.reduced_mass_kg, restitution=one.restitution, stiffness=one.stiffness_N_m,
         damping=one.damping_N_s_m, time_step=one.time_step_s, ending=one.ending, diameter=one.diameter_m,
-        impact_speed=one.impact_speed_m_s, overlap_limit=overlap_limit, hertz_time=one.hertz_contact_time_s,
-        contact_steps=one.contact_steps,
+        impact_speed=one.impact_speed_m_s, overlap_limit=one.overlap_limit_fraction,
+        hertz_time=one.hertz_contact_time_s, kind=kind,
     )  # fmt: skip
     print(f"{len(files)} figures in {folder}", file=sys.stderr)

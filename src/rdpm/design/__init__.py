@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from rdpm.design import front_door
 from rdpm.design.dimensionless import (
+    added_mass,
+    legendre,
     reduced_mass,
     sphere_mass,
     stokes_number,
@@ -32,12 +34,12 @@ from rdpm.design.overlap import (
 )
 from rdpm.design.result import Design, Verdict
 from rdpm.design.soft_sphere import (
+    achieved_restitution,
     contact_parameters,
     contact_time,
     damping_from_stiffness,
     damping_ratio,
     dimensionless_contact_time,
-    obtained_restitution,
     peak_overlap,
     ratio_from_poisson,
     restitution,
@@ -53,6 +55,8 @@ soft_sphere = front_door.soft_sphere
 __all__ = [
     "Design",
     "Verdict",
+    "achieved_restitution",
+    "added_mass",
     "contact_parameters",
     "contact_steps_for_stiffness",
     "contact_time",
@@ -65,7 +69,7 @@ __all__ = [
     "impact_speed_for_overlap",
     "largest_contact_time",
     "largest_time_step",
-    "obtained_restitution",
+    "legendre",
     "peak_overlap",
     "produced_restitution",
     "ratio_from_poisson",

@@ -9,10 +9,10 @@ import numpy as np
 from rdpm.design._checks import Ending, Values, positive
 from rdpm.design.overlap import largest_contact_time
 from rdpm.design.soft_sphere import (
+    achieved_restitution,
     contact_parameters,
     contact_time,
     damping_from_stiffness,
-    obtained_restitution,
     peak_overlap,
 )
 from rdpm.design.verdicts import LEAST_CONTACT_STEPS
@@ -182,7 +182,7 @@ def trial_and_error(
     """
     k = np.atleast_1d(positive("stiffness", stiffness))
     zeta = damping / (2.0 * np.sqrt(k * positive("reduced_mass", reduced_mass)))
-    e = obtained_restitution(reduced_mass, k, damping, ending)
+    e = achieved_restitution(reduced_mass, k, damping, ending)
     t_c = contact_time(reduced_mass, k, damping, ending)
     if ending == "zero-overlap":
         e = np.where(zeta < 1.0, e, np.nan)

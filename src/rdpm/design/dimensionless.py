@@ -11,6 +11,8 @@ from rdpm.design._checks import Values, as_given, not_negative, positive, within
 
 __all__ = [
     "CRITICAL_STOKES",
+    "added_mass",
+    "legendre",
     "reduced_mass",
     "sphere_mass",
     "stokes_number",
@@ -50,6 +52,33 @@ def sphere_mass(diameter: Values, density: Values) -> Values:
     1.9792
     """
     return as_given(math.pi / 6.0 * positive("density", density) * positive("diameter", diameter) ** 3)
+
+
+def added_mass(diameter: Values, fluid_density: Values) -> Values:
+    r"""Added mass of a sphere in an unbounded fluid, :math:`\tfrac12\rho_f\pi d^3/6`.
+
+    Parameters
+    ----------
+    diameter : float or array, [m]
+        > 0.
+    fluid_density : float or array, [kg/m^3]
+        > 0.
+
+    Returns
+    -------
+    float or array, [kg]
+
+    Raises
+    ------
+    CaseError
+        An argument outside its range.
+
+    Examples
+    --------
+    >>> added_mass(0.015, 1000.0) / sphere_mass(0.015, 1000.0)
+    0.5
+    """
+    return as_given(_ADDED_MASS * np.asarray(sphere_mass(diameter, positive("fluid_density", fluid_density))))
 
 
 def reduced_mass(mass: Values, other_mass: Values = np.inf) -> Values:
@@ -124,6 +153,46 @@ def stokes_number(
     return as_given(momentum / drag)
 
 
+def legendre(restitution: Values, stokes_number: Values) -> Values:
+    r"""Effective restitution in a liquid at a Stokes number that has the added mass in it.
+
+    Parameters
+    ----------
+    restitution : float or array, [-]
+        Dry restitution, 0 to 1.
+    stokes_number : float or array, [-]
+        :math:`St^*`, >= 0: that of :func:`stokes_number` for the reduced mass of two spheres each with its
+        added mass (:func:`added_mass`).
+
+    Returns
+    -------
+    float or array, [-]
+        :math:`e\,\exp(-35/St^*)`.
+
+    Raises
+    ------
+    CaseError
+        An argument outside its range.
+
+    Notes
+    -----
+    A fit to rebounds from a wall, the constant included; used for pairs as it stands. Roughness and the
+    viscosity of the lubrication layer are not covered, and near the critical Stokes number it is an estimate.
+
+    References
+    ----------
+    .. [1] Legendre, Daniel, Guiraud, Phys. Fluids 17 (2005) 097105, doi:10.1063/1.2010527.
+
+    Examples
+    --------
+    >>> round(legendre(1.0, 100.0), 4)
+    0.7047
+    """
+    e, st = not_negative("restitution", restitution), not_negative("stokes_number", stokes_number)
+    with np.errstate(divide="ignore"):
+        return as_given(e * np.exp(-_LEGENDRE_BETA / st))
+
+
 def wet_restitution(restitution: Values, stokes_number: Values, density_ratio: Values) -> Values:
     r"""Effective restitution in a liquid, by Legendre's correlation.
 
@@ -148,8 +217,7 @@ def wet_restitution(restitution: Values, stokes_number: Values, density_ratio: V
 
     Notes
     -----
-    A fit to rebounds from a wall, the constant included; used for pairs as it stands. Roughness and the
-    viscosity of the film are not covered, and near the critical Stokes number it is an estimate.
+    For a sphere and a wall, or two spheres of one density; :func:`legendre` takes the Stokes number of any pair.
 
     References
     ----------
@@ -160,10 +228,8 @@ def wet_restitution(restitution: Values, stokes_number: Values, density_ratio: V
     >>> round(wet_restitution(0.97, 152.0, 7.8), 3)
     0.781
     """
-    e, st = not_negative("restitution", restitution), not_negative("stokes_number", stokes_number)
-    effective = st * (1.0 + _ADDED_MASS / positive("density_ratio", density_ratio))
-    with np.errstate(divide="ignore"):
-        return as_given(e * np.exp(-_LEGENDRE_BETA / effective))
+    st = not_negative("stokes_number", stokes_number)
+    return legendre(restitution, st * (1.0 + _ADDED_MASS / positive("density_ratio", density_ratio)))
 
 
 def terminal_velocity(

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 
 from rdpm.design._checks import Ending, check_ending, positive
+from rdpm.design.advice import advise_on_spring, advise_on_steps
 from rdpm.design.bodies import Impact, Pair, read_impact, read_pair
-from rdpm.design.dimensionless import stokes_number, wet_restitution
+from rdpm.design.dimensionless import added_mass, legendre, reduced_mass, sphere_mass, stokes_number
 from rdpm.design.hertz import effective_modulus, hertz_contact_time, rayleigh_time
 from rdpm.design.integrators import INTEGRATORS, produced_restitution
 from rdpm.design.oscillator import dimensionless_contact_time, peak_overlap_factor
 from rdpm.design.oscillator import restitution as restitution_of
 from rdpm.design.overlap import softest_stiffness
-from rdpm.design.result import Advice, Design, Prediction, Tangential
+from rdpm.design.result import Advice, Body, Design, Prediction, Tangential
 from rdpm.design.soft_sphere import peak_overlap
 from rdpm.design.solve import Known, solve_contact
 from rdpm.design.tangential import (
@@ -21,12 +22,13 @@ from rdpm.design.tangential import (
     tangential_parameters,
     tangential_restitution,
 )
-from rdpm.design.verdicts import advise, regime_of, verdict_list
+from rdpm.design.verdicts import USUAL_OVERLAP, regime_of, verdict_list
 from rdpm.errors import CaseError
 
 __all__ = ["soft_sphere"]
 
 _LARGEST = 1e30
+_LARGEST_OVERLAP = 0.05  # of the diameter; more is a percentage that lost its sign, or no sphere any more
 _PREDICTED_UP_TO = 500.0  # contact steps; beyond, all but explicit Euler are within 0.2 %
 
 
@@ -80,7 +82,7 @@ def soft_sphere(
     gravity: float = 9.81,
     tangential_ratio: float | None = None,
     friction: float | None = None,
-    overlap_limit: float = 0.005,
+    overlap_limit: float = USUAL_OVERLAP,
     ending: Ending = "zero-force",
 ) -> Design:
     r"""Design a linear soft-sphere contact from any sufficient set of what is known, and judge it.
@@ -109,9 +111,10 @@ def soft_sphere(
     time_step : float, [s], optional
         > 0.
     max_overlap : float, [-], optional
-        Peak overlap as a fraction of the smaller diameter, reached at ``impact_speed``. > 0.
+        Peak overlap as a fraction of the smaller diameter, reached at ``impact_speed``; 0 < to 0.05.
     static_overlap : float, [-], optional
-        Overlap under the submerged weight as a fraction of the smaller diameter: gives the stiffness. > 0.
+        Overlap under the submerged weight as a fraction of the smaller diameter: gives the stiffness.
+        0 < to 0.05.
     impact_speed : float, [m/s], optional
         > 0; default the terminal velocity, where the fluid is known.
     youngs_modulus : float, [Pa], optional
@@ -130,7 +133,8 @@ def soft_sphere(
     friction : float, [-], optional
         Coulomb's coefficient >= 0.
     overlap_limit : float, [-]
-        Bound of the overlap verdicts, a fraction of the smaller diameter; ``max_overlap`` overrides it.
+        Bound of the overlap verdicts, a fraction of the smaller diameter, 0 < to 0.05; a smaller ``max_overlap``
+        tightens it, a larger one is judged by it. Above the usual 0.5 %, overlaps between the two are notes.
     ending : {"zero-force", "zero-overlap"}
         When the contact is over.
 
@@ -165,7 +169,7 @@ def soft_sphere(
     pair = read_pair(mass, diameter, density, diameter2, density2, wall)
     impact = read_impact(pair, impact_speed, fluid_density, viscosity, gravity)
     t_c = _contact_time(contact_time, contact_steps, time_step)
-    limit = float(positive("overlap_limit", overlap_limit if max_overlap is None else max_overlap))
+    limit = _overlap_limit(max_overlap, static_overlap, overlap_limit)
     overlap_time = None
     if max_overlap is not None:
         speed = _need(impact.speed, "impact_speed", "an overlap is reached at a speed")
@@ -176,6 +180,7 @@ def soft_sphere(
     known = Known(pair.mass, stiffness, damping, restitution, t_c, overlap_time)
     if hertz is not None and t_c is None and sum(q is not None for q in known[1:]) == 1:
         t_c, known = hertz, known._replace(contact_time=hertz)
+    is_spring_given = contact_steps is None or time_step is None
     m, k_n, eta_n = solve_contact(known, ending)
     zeta = 0.5 * eta_n / math.sqrt(m * k_n)
     e = _restitution(restitution, zeta, ending)
@@ -193,12 +198,14 @@ def soft_sphere(
     overlap_fraction = None if overlap is None or d is None else overlap / d
     sink = None if weight is None or d is None else weight / k_n / d
     stokes, wet = _wet(m, pair, impact, e, fluid_density, viscosity)
+    advice = _advice(m, k_n, zeta, ending, limit, pair, impact, (hertz, rayleigh), steps, step, is_spring_given)
     return Design(
         stiffness_N_m=k_n, damping_N_s_m=eta_n, restitution=e, contact_time_s=duration, contact_steps=steps,
         damping_ratio=zeta, regime=regime_of(zeta), ending=ending, reduced_mass_kg=m, diameter_m=d,
-        time_step_s=step, impact_speed_m_s=impact.speed, impact_speed_source=impact.source,
+        spheres=tuple(Body(*sphere) for sphere in pair.spheres), is_wall=wall, time_step_s=step,
+        impact_speed_m_s=impact.speed, impact_speed_source=impact.source,
         max_overlap_m=overlap, max_overlap_fraction=overlap_fraction, static_overlap_fraction=sink,
-        hertz_contact_time_s=hertz, rayleigh_time_s=rayleigh,
+        overlap_limit_fraction=limit, hertz_contact_time_s=hertz, rayleigh_time_s=rayleigh,
         terminal_velocity_m_s=impact.terminal_velocity, terminal_reynolds_number=impact.terminal_reynolds,
         stokes_number=stokes, wet_restitution=wet,
         tangential=_tangential(k_n, eta_n, zeta, e, ending, tangential_ratio, poisson_ratio, friction),
@@ -207,8 +214,9 @@ def soft_sphere(
             damping_ratio=zeta, ending=ending, contact_time=duration, contact_steps=steps,
             max_overlap=overlap_fraction, static_overlap=sink, overlap_limit=limit,
             hertz_time=hertz, rayleigh_time=rayleigh, stokes_number=stokes,
+            impact_speed=impact.speed,
         ),
-        advice=_advice(m, zeta, ending, limit, pair, impact, (hertz, rayleigh), steps, step),
+        advice=advice,
     )  # fmt: skip
 
 
@@ -218,6 +226,17 @@ def _refuse_extremes(given: dict[str, float]) -> None:
         if not math.isfinite(value) or abs(value) > _LARGEST or 0.0 < abs(value) < 1.0 / _LARGEST:
             rule = f"must be a finite number above {1 / _LARGEST:g} and below {_LARGEST:g} in size, or 0"
             raise CaseError(name, f"{value:g}", rule, "nothing physical lies beyond", "Correct this value.")
+
+
+def _overlap_limit(max_overlap: float | None, static_overlap: float | None, overlap_limit: float) -> float:
+    """Give the bound of the overlap verdicts; refuse fractions that can only be percentages."""
+    given = {"max_overlap": max_overlap, "static_overlap": static_overlap, "overlap_limit": overlap_limit}
+    for name, value in given.items():
+        if value is not None and positive(name, value) > _LARGEST_OVERLAP:
+            rule = f"must be at most {_LARGEST_OVERLAP:g}, a fraction of the diameter"
+            cure = f'For {value:g} % write {0.01 * value:g}, or "{value:g} %".' if value <= 5.0 else "Lower it."
+            raise CaseError(name, f"{value:g}", rule, "a contact that deep is no sphere's", cure)
+    return float(overlap_limit if max_overlap is None else min(max_overlap, overlap_limit))
 
 
 def _finite(number: float, unit: float) -> float | None:
@@ -269,13 +288,15 @@ def _wet(
     fluid_density: float | None,
     viscosity: float | None,
 ) -> tuple[float | None, float | None]:
-    """Give the Stokes number and Legendre's wet restitution."""
+    """Give the Stokes number and Legendre's wet restitution, whose Stokes number has the added mass of both spheres."""
     if viscosity is None or impact.speed is None or pair.radius is None:
         return None, None
     stokes = float(stokes_number(m, pair.radius, impact.speed, viscosity))
     if e is None or fluid_density is None or not pair.spheres:
         return stokes, None
-    return stokes, float(wet_restitution(e, stokes, pair.spheres[0][1] / fluid_density))
+    masses = [sphere_mass(d, rho) + added_mass(d, fluid_density) for d, rho in pair.spheres]
+    inertia = reduced_mass(*masses)
+    return stokes, float(legendre(e, stokes_number(inertia, pair.radius, impact.speed, viscosity)))
 
 
 def _tangential(
@@ -308,6 +329,7 @@ def _predictions(e: float | None, steps: float | None, ending: Ending) -> tuple[
 
 def _advice(
     m: float,
+    k_n: float,
     zeta: float,
     ending: Ending,
     limit: float,
@@ -316,6 +338,7 @@ def _advice(
     material: tuple[float | None, float | None],
     steps: float | None,
     step: float | None,
+    is_spring_given: bool,
 ) -> Advice:
     """Bound the contact time at this damping ratio from both sides."""
     tau = float(dimensionless_contact_time(zeta, ending))
@@ -328,6 +351,14 @@ def _advice(
         if impact.weight:
             at_rest = tau * math.sqrt(m / float(softest_stiffness(impact.weight, overlap)))
             bounds.append((at_rest, "the overlap at rest"))
-    shortest = max((t for t in material if t is not None), default=None)
+    waves = [(t, name) for t, name in zip(material, ("Hertz", "Rayleigh"), strict=True) if t is not None]
+    shortest, asks = max(waves, default=(None, ""))
     longest, decides = min(bounds, default=(None, ""))
-    return advise(shortest=shortest, longest=longest, decides=decides, time_step=step, contact_steps=steps)
+    if is_spring_given or step is None or steps is None:
+        return advise_on_spring(
+            stiffness=k_n, contact_time=_finite(tau, math.sqrt(m / k_n)), shortest=shortest, longest=longest,
+            time_step=step, contact_steps=steps, asks=asks, decides=decides,
+        )  # fmt: skip
+    return advise_on_steps(
+        shortest=shortest, longest=longest, time_step=step, contact_steps=steps, asks=asks, decides=decides
+    )

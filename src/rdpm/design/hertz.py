@@ -10,7 +10,7 @@ from rdpm.design._checks import Values, as_given, positive, within
 
 __all__ = ["effective_modulus", "hertz_contact_time", "hertz_overlap", "rayleigh_time", "reduced_radius"]
 
-# 2 * integral_0^1 dx / sqrt(1 - x^(5/2)): contact time over (peak overlap / speed); the talk's 2.94
+# 2 * integral_0^1 dx / sqrt(1 - x^(5/2)): contact time over (peak overlap / speed)
 HERTZ_FACTOR = 0.8 * math.sqrt(math.pi) * math.gamma(0.4) / math.gamma(0.9)
 
 

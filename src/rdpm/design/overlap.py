@@ -1,4 +1,4 @@
-"""Questions asked backwards: which time step, contact steps, spring or speed keeps to a limit."""
+"""Inverse questions: which time step, contact steps, spring or speed keeps to a limit."""
 
 from __future__ import annotations
 

@@ -1,10 +1,12 @@
-"""A design as a table people read: quantity, value, unit, and how it came about."""
+"""A design as a table people read: quantity, value, unit, and how it came about.
+
+Written from the plain form of a design (:meth:`rdpm.design.Design.to_dict`, the JSON output), so that a
+stored one reads the same.
+"""
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias
-
-from rdpm.design.result import Design
+from typing import Any, Literal, TypeAlias
 
 __all__ = ["Units", "render", "rows"]
 
@@ -50,12 +52,13 @@ _TANGENTIAL = (
 )
 
 
-def rows(design: Design, units: Units = "si") -> list[tuple[str, float | None, str, str]]:
+def rows(design: dict[str, Any], units: Units = "si") -> list[tuple[str, float | None, str, str]]:
     """List quantity, value (None where undefined), unit and note.
 
     Parameters
     ----------
-    design : Design
+    design : dict
+        From :meth:`rdpm.design.Design.to_dict`.
     units : {"si", "cgs"}
 
     Returns
@@ -66,27 +69,28 @@ def rows(design: Design, units: Units = "si") -> list[tuple[str, float | None, s
     Examples
     --------
     >>> from rdpm.design import soft_sphere
-    >>> rows(soft_sphere(mass=1e-3, stiffness=100.0, damping=0.1), "cgs")[1][:3]
+    >>> rows(soft_sphere(mass=1e-3, stiffness=100.0, damping=0.1).to_dict(), "cgs")[1][:3]
     ('normal stiffness', 100000.0, 'dyn/cm')
     """
     out = []
-    for record, table in ((design, _TABLE), (design.tangential, _TANGENTIAL)):
+    for record, table in ((design, _TABLE), (design["tangential"], _TANGENTIAL)):
         for word, name, kind, note in table:
-            value = getattr(record, name)
+            value = record[name]
             if value is None and name not in ("restitution", "contact_time_s"):
                 continue
             unit, factor = _KINDS[kind][units]
-            how = design.impact_speed_source or note if name == "impact_speed_m_s" else note
+            how = design["impact_speed_source"] or note if name == "impact_speed_m_s" else note
             out.append((word, None if value is None else value * factor, unit, how))
     return out
 
 
-def render(design: Design, units: Units = "si") -> str:
+def render(design: dict[str, Any], units: Units = "si") -> str:
     """Write a design as text.
 
     Parameters
     ----------
-    design : Design
+    design : dict
+        From :meth:`rdpm.design.Design.to_dict`.
     units : {"si", "cgs"}
 
     Returns
@@ -97,20 +101,23 @@ def render(design: Design, units: Units = "si") -> str:
     Examples
     --------
     >>> from rdpm.design import soft_sphere
-    >>> print(render(soft_sphere(mass=1e-3, stiffness=100.0, damping=0.1)).splitlines()[0])
+    >>> print(render(soft_sphere(mass=1e-3, stiffness=100.0, damping=0.1).to_dict()).splitlines()[0])
     Soft-sphere contact, underdamped, ending at zero-force
     """
-    out = [f"Soft-sphere contact, {design.regime}, ending at {design.ending}", ""]
+    out = [f"Soft-sphere contact, {design['regime']}, ending at {design['ending']}", ""]
     for word, value, unit, note in rows(design, units):
         number = "undefined" if value is None else f"{value:.6g}"
         out.append(f"  {word:<26}{number:>12} {unit:<9} {note}")
     out += ["", "Verdicts"]
-    for v in design.verdicts:
-        number = "undefined" if v.value is None else f"{v.value:.4g}"
-        out.append(f"  {'ok ' if v.ok else 'NOT'} {v.name:<22}{number:>10}, limit {v.limit:.4g}: {v.reason}")
-        out.append(f"      {v.source}")
-    if design.predictions:
-        out += ["", "Restitution produced without sub-steps (mean, least to greatest over the phase)"]
-        for p in design.predictions:
-            out.append(f"  {p.integrator:<22}{p.mean:>8.4f}   {p.least:.4f} to {p.greatest:.4f}")
-    return "\n".join([*out, "", f"Advice: {design.advice.text}"])
+    for v in design["verdicts"]:
+        out.append("  " + {"ok": "ok   ", "note": "note: ", "fail": "FAIL "}[v["severity"]] + v["text"])
+        if v["severity"] != "ok":
+            why = "" if v["reason"] in v["text"] else f"{v['reason']}; "
+            out.append(f"       {why}{v['source']}")
+    if design["predictions"]:
+        out += ["", "Restitution achieved without sub-steps (mean, least to greatest over the phase)"]
+        for p in design["predictions"]:
+            least, greatest = p["least"], p["greatest"]
+            shown = [f"{q:.4f}" if q is not None else "never parts" for q in (p["mean"], least, greatest)]
+            out.append(f"  {p['integrator']:<22}{shown[0]:>8}   {shown[1]} to {shown[2]}")
+    return "\n".join([*out, "", f"Advice: {design['advice']['text']}"])

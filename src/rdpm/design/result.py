@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 from rdpm.design._checks import Ending
+from rdpm.design.report import render
 
-__all__ = ["Advice", "Design", "Prediction", "Tangential", "Verdict"]
+__all__ = ["Advice", "Body", "Design", "Prediction", "Severity", "Tangential", "Verdict"]
+
+Severity: TypeAlias = Literal["ok", "note", "fail"]
+"""A limit is kept; something to know, which breaks none; a limit is broken."""
 
 
 def _plain(value: Any) -> Any:
@@ -30,14 +34,36 @@ class _Record:
 
 @dataclass(frozen=True)
 class Verdict(_Record):
-    """One limit: what was found, the bound, and why it matters."""
+    """One limit: what was found, the bound, and why it matters.
+
+    Examples
+    --------
+    >>> print(Verdict("contact_steps", 3.0, 4.0, False, "", "", "fail", "contact resolved by 3 steps < 4"))
+    FAIL contact resolved by 3 steps < 4
+    """
 
     name: str
     value: float | None
     limit: float
     ok: bool
+    """No limit is broken: true for a note."""
     reason: str
     source: str
+    severity: Severity
+    text: str
+    """Quantity, value, sign, limit and condition, without the severity; ``str`` gives both."""
+
+    def __str__(self) -> str:
+        mark = {"ok": "ok   ", "note": "note: ", "fail": "FAIL "}[self.severity]
+        return mark + self.text
+
+
+@dataclass(frozen=True)
+class Body(_Record):
+    """A sphere of the contact."""
+
+    diameter_m: float
+    density_kg_m3: float
 
 
 @dataclass(frozen=True)
@@ -76,12 +102,14 @@ class Advice(_Record):
     """At the fewest contact steps allowed."""
     largest_time_step_at_contact_steps_s: float | None
     """At the contact steps of this design."""
+    time_step_s: float | None
+    """The one to take: of the spring given, or of the contact steps given; None where none keeps to all limits."""
     text: str
 
 
 @dataclass(frozen=True)
 class Design(_Record):
-    """A designed contact. Attributes carry their unit; None where undefined or not asked.
+    """A designed contact. Attributes carry their unit; None where undefined or unknown.
 
     Examples
     --------
@@ -101,12 +129,17 @@ class Design(_Record):
     ending: Ending
     reduced_mass_kg: float
     diameter_m: float | None
+    """Of the smaller sphere."""
+    spheres: tuple[Body, ...]
+    """One against a wall, else two; empty where a diameter or density is unknown."""
+    is_wall: bool
     time_step_s: float | None
     impact_speed_m_s: float | None
     impact_speed_source: str | None
     max_overlap_m: float | None
     max_overlap_fraction: float | None
     static_overlap_fraction: float | None
+    overlap_limit_fraction: float
     hertz_contact_time_s: float | None
     rayleigh_time_s: float | None
     terminal_velocity_m_s: float | None
@@ -120,7 +153,7 @@ class Design(_Record):
 
     @property
     def ok(self) -> bool:
-        """Whether every verdict is."""
+        """Whether no limit is broken; notes break none."""
         return all(v.ok for v in self.verdicts)
 
     def to_dict(self) -> dict[str, Any]:
@@ -128,6 +161,4 @@ class Design(_Record):
         return super().to_dict()
 
     def __str__(self) -> str:
-        from rdpm.design.report import render
-
-        return render(self)
+        return render(self.to_dict())

@@ -23,12 +23,12 @@ from rdpm.design.oscillator import (
 from rdpm.design.tangential import ratio_from_poisson, tangential_parameters, tangential_restitution
 
 __all__ = [
+    "achieved_restitution",
     "contact_parameters",
     "contact_time",
     "damping_from_stiffness",
     "damping_ratio",
     "dimensionless_contact_time",
-    "obtained_restitution",
     "peak_overlap",
     "peak_overlap_factor",
     "peak_time",
@@ -175,7 +175,7 @@ def contact_time(
     return as_given(np.asarray(dimensionless_contact_time(zeta, ending)) / omega)
 
 
-def obtained_restitution(
+def achieved_restitution(
     reduced_mass: Values, stiffness: Values, damping: Values, ending: Ending = "zero-force"
 ) -> Values:
     r"""Restitution that a spring and dashpot give.
@@ -207,7 +207,7 @@ def obtained_restitution(
 
     Examples
     --------
-    >>> round(obtained_restitution(0.9902467e-3, 160.14235, 0.17160), 4)   # zero overlap would give 0.5
+    >>> round(achieved_restitution(0.9902467e-3, 160.14235, 0.17160), 4)   # zero overlap would give 0.5
     0.5503
     """
     return restitution(_frequency_and_ratio(reduced_mass, stiffness, damping)[1], ending)

@@ -21,7 +21,7 @@ __all__ = ["Known", "solve_contact"]
 
 
 class Known(NamedTuple):
-    """What is known of a contact; None where it is asked."""
+    """What is known of a contact; None where it is sought."""
 
     mass: float | None = None
     """Reduced mass [kg]."""

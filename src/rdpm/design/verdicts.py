@@ -1,20 +1,22 @@
-"""Limits a contact must keep to, each with its reason and source, and the advice that follows."""
+"""Limits a contact must keep to, each with its reason and source."""
 
 from __future__ import annotations
 
-import math
-
 from rdpm.design._checks import Ending
 from rdpm.design.dimensionless import CRITICAL_STOKES
-from rdpm.design.result import Advice, Verdict
+from rdpm.design.result import Severity, Verdict
+from rdpm.design.wording import percent_text, speed_text, time_text
 
-__all__ = ["LEAST_CONTACT_STEPS", "MOST_CONTACT_STEPS", "advise", "failed_names", "verdict_list"]
+__all__ = ["LEAST_CONTACT_STEPS", "MOST_CONTACT_STEPS", "USUAL_OVERLAP", "failed_names", "regime_of", "verdict_list"]
 
 LEAST_CONTACT_STEPS = 4
 """Fewest time steps a contact may last: below, the fluid sees the rebound as a jump."""
 
 MOST_CONTACT_STEPS = 15
 """Upper end of the window of the scheme's authors; more steps only soften the contact."""
+
+USUAL_OVERLAP = 0.005
+"""Largest overlap of a soft sphere that does not disturb the flow [of the diameter]."""
 
 _MUSONG = "Musong, Feng, Michaelides, NETL Multiphase Flow Conf. (2012)"
 _REGIMES = {
@@ -45,7 +47,7 @@ def failed_names(verdicts: tuple[Verdict, ...]) -> list[str]:
 
     Examples
     --------
-    >>> failed_names((Verdict("regime", 1.6, 1.0, False, "overdamped", ""),))
+    >>> failed_names((Verdict("regime", 1.6, 1.0, False, "overdamped", "", "fail", ""),))
     ['regime']
     """
     return [v.name for v in verdicts if not v.ok]
@@ -63,6 +65,7 @@ def verdict_list(
     hertz_time: float | None,
     rayleigh_time: float | None,
     stokes_number: float | None,
+    impact_speed: float | None = None,
 ) -> tuple[Verdict, ...]:
     """Judge what is known; a limit whose quantity is unknown is left out.
 
@@ -75,7 +78,9 @@ def verdict_list(
     max_overlap, static_overlap : float or None, [-]
         Of the smaller diameter.
     overlap_limit : float, [-]
-        Of the smaller diameter.
+        Of the smaller diameter. Where it is above the usual 0.5 %, an overlap between the two is a note.
+    impact_speed : float or None, [m/s]
+        For the text alone.
 
     Returns
     -------
@@ -83,101 +88,95 @@ def verdict_list(
 
     Examples
     --------
-    >>> [v.ok for v in verdict_list(damping_ratio=1.59, ending="zero-overlap", contact_time=None,
-    ...     contact_steps=None, max_overlap=0.004, static_overlap=None, overlap_limit=0.005,
-    ...     hertz_time=None, rayleigh_time=None, stokes_number=None)]
-    [False, True]
+    >>> for v in verdict_list(damping_ratio=1.59, ending="zero-overlap", contact_time=None, contact_steps=3.0,
+    ...     max_overlap=0.0131, static_overlap=None, overlap_limit=0.005, hertz_time=None, rayleigh_time=None,
+    ...     stokes_number=3.0, impact_speed=0.041):
+    ...     print(v)
+    FAIL damping ratio 1.59 > 1 (overdamped: no rebound: neither e_n nor contact time exists. Lower the damping)
+    FAIL contact resolved by 3 steps < 4
+    FAIL overlap 1.31 % d > 0.5 % (at 4.1 cm/s)
+    note: viscous damping governs (St 3 < 10); e_n and k_n hardly matter
     """
-    regime = regime_of(damping_ratio)
-    bad = regime == "overdamped" or (regime == "critical" and ending == "zero-overlap")
-    out = [
-        Verdict(
-            "regime", damping_ratio, 1.0, not bad, f"{regime}: {_REGIMES[regime, ending]}",
-            "Schwager, Poeschel, Granular Matter 9 (2007) 465",
-        )
-    ]  # fmt: skip
-
-    def judge(
-        name: str, value: float | None, limit: float | None, most: bool, reason: str, source: str
-    ) -> None:
-        if value is not None and limit is not None:
-            slack = 1.0 + 1e-9  # round-off of a design that sits on the limit
-            ok = value <= limit * slack if most else value * slack >= limit
-            out.append(Verdict(name, value, limit, ok, reason, source))
-
+    out = [_regime(damping_ratio, ending)]
     # a contact that never ends is a matter of the regime, not of its length
-    judge("contact_steps", contact_steps, float(LEAST_CONTACT_STEPS), False,
-          "at least: with fewer the fluid sees the rebound as a jump",
-          "rdpm's bound, after van der Hoef et al., Adv. Chem. Eng. 31 (2006) 65")  # fmt: skip
-    judge("max_overlap", max_overlap, overlap_limit, True,
-          "at most, of the smaller diameter at the impact speed: more spoils the flow", _MUSONG)  # fmt: skip
-    judge("static_overlap", static_overlap, overlap_limit, True,
-          "at most, of the smaller diameter under the submerged weight: a resting sphere sinks in",
-          f"{_MUSONG}, its 0.5 % applied to rest")  # fmt: skip
-    judge("hertz_contact_time", contact_time, hertz_time, False,
-          "at least: no contact is shorter than that of the real material",
-          "Johnson, Contact Mechanics (1985), sec. 11.4")  # fmt: skip
-    judge("rayleigh_time", contact_time, rayleigh_time, False,
-          "at least: a shorter contact is a wave in the sphere, not a spring",
-          "Li, Xu, Thornton, Powder Technol. 160 (2005) 219")  # fmt: skip
-    judge("wet_rebound", stokes_number, CRITICAL_STOKES, False,
-          "Stokes number, at least: below, the liquid stops the rebound and e_n, k_n are not seen",
-          "Gondret, Lance, Petit, Phys. Fluids 14 (2002) 643")  # fmt: skip
+    if contact_steps is not None:
+        severity, sign = _least(contact_steps, LEAST_CONTACT_STEPS)
+        text = f"contact resolved by {contact_steps:.3g} steps {sign} {LEAST_CONTACT_STEPS}"
+        out.append(_verdict("contact_steps", contact_steps, float(LEAST_CONTACT_STEPS), severity, text,
+                            "with fewer the fluid sees the rebound as a jump",
+                            "rdpm's bound, after van der Hoef et al., Adv. Chem. Eng. 31 (2006) 65"))  # fmt: skip
+    speed = "" if impact_speed is None else f" (at {speed_text(impact_speed)})"
+    if max_overlap is not None:
+        severity, text = _overlap(f"overlap {percent_text(max_overlap)}", max_overlap, overlap_limit, speed)
+        out.append(_verdict("max_overlap", max_overlap, overlap_limit, severity, text,
+                            "of the smaller diameter: more disturbs the flow", _MUSONG))  # fmt: skip
+    if static_overlap is not None:
+        said, how = f"overlap at rest {percent_text(static_overlap)}", " (under the submerged weight)"
+        severity, text = _overlap(said, static_overlap, overlap_limit, how)
+        out.append(_verdict("static_overlap", static_overlap, overlap_limit, severity, text,
+                            "of the smaller diameter: a resting sphere sinks in",
+                            f"{_MUSONG}, its 0.5 % applied to rest"))  # fmt: skip
+    bounds = (
+        ("hertz_contact_time", hertz_time, f" (Hertz{speed and ', ' + speed[2:-1]})",
+         "no contact is shorter than that of the real material", "Johnson, Contact Mechanics (1985), sec. 11.4"),
+        ("rayleigh_time", rayleigh_time, " (Rayleigh)", "a shorter contact is a wave in the sphere, not a spring",
+         "Li, Xu, Thornton, Powder Technol. 160 (2005) 219"),
+    )  # fmt: skip
+    for name, bound, how, reason, source in bounds:
+        if contact_time is not None and bound is not None:
+            severity, sign = _least(contact_time, bound)
+            text = f"contact time {time_text(contact_time)} {sign} {time_text(bound)}{how}"
+            out.append(_verdict(name, contact_time, bound, severity, text, reason, source))
+    if stokes_number is not None:
+        out.append(_wet(stokes_number))
     return tuple(out)
 
 
-def advise(
-    *,
-    shortest: float | None,
-    longest: float | None,
-    decides: str = "the overlap",
-    time_step: float | None,
-    contact_steps: float | None,
-) -> Advice:
-    """Turn bounds on the contact time into contact steps and a time step.
+def _verdict(
+    name: str, value: float, limit: float, severity: Severity, text: str, reason: str, source: str
+) -> Verdict:
+    return Verdict(name, value, limit, severity != "fail", reason, source, severity, text)
 
-    Parameters
-    ----------
-    shortest : float or None, [s]
-        Of the real material (Hertz, Rayleigh).
-    longest : float or None, [s]
-        By the overlap limits; None where no impact speed or load is known.
-    decides : str
-        Which of them it is.
-    time_step : float or None, [s]
-    contact_steps : float or None, [-]
-        Of the design itself.
 
-    Returns
-    -------
-    Advice
-        The best contact steps are the most that the limits allow, up to 15.
+_SLACK = 1.0 + 1e-9  # round-off of a design that sits on the limit
 
-    Examples
-    --------
-    >>> advise(shortest=None, longest=8.5e-3, time_step=1e-3, contact_steps=10.0).best_contact_steps
-    8
-    """
-    least, most = LEAST_CONTACT_STEPS, MOST_CONTACT_STEPS
-    at_most = None if longest is None else longest / least
-    at_design = None if longest is None or not contact_steps else longest / contact_steps
-    window: tuple[int, int] | None = None
-    best: int | None = None
-    if longest is None:
-        text = "Give a diameter and an impact speed (or a fluid): nothing bounds the overlap yet."
-    elif shortest is not None and shortest > longest:
-        text = f"No contact keeps to all limits: Hertz asks {shortest:.3g} s, overlap allows {longest:.3g} s."
-    elif time_step is None:
-        text = f"Time steps up to {at_most:.3g} s keep to all limits at {least} contact steps."
+
+def _least(value: float, bound: float) -> tuple[Severity, str]:
+    """Judge a lower bound; give severity and sign."""
+    return ("ok", ">=") if value * _SLACK >= bound else ("fail", "<")
+
+
+def _overlap(said: str, value: float, limit: float, how: str) -> tuple[Severity, str]:
+    """Judge an overlap by its limit, and by the usual one where the limit given is wider."""
+    if value > limit * _SLACK:
+        return "fail", f"{said} > {100.0 * limit:.3g} %{how}"
+    if value > USUAL_OVERLAP * _SLACK:
+        usual = f"{said} > {100.0 * USUAL_OVERLAP:g} %, the usual limit{how}"
+        return "note", f"{usual}; within the {100.0 * limit:.3g} % allowed here"
+    return "ok", f"{said} <= {100.0 * limit:.3g} %{how}"
+
+
+def _regime(damping_ratio: float, ending: Ending) -> Verdict:
+    """Judge the damping ratio: without a rebound, or beyond where the published formulas hold, it fails."""
+    regime = regime_of(damping_ratio)
+    bad = regime == "overdamped" or (regime == "critical" and ending == "zero-overlap")
+    sign = {"underdamped": "< 1", "critical": "= 1", "overdamped": "> 1"}[regime]
+    number = "1" if regime == "critical" else f"{damping_ratio:.3g}"
+    reason = f"{regime}: {_REGIMES[regime, ending]}"
+    return _verdict("regime", damping_ratio, 1.0, "fail" if bad else "ok",
+                    f"damping ratio {number} {sign} ({reason})", reason,
+                    "Schwager, Poeschel, Granular Matter 9 (2007) 465")  # fmt: skip
+
+
+def _wet(stokes_number: float) -> Verdict:
+    """Say whether the liquid lets the sphere rebound; that it does not breaks no limit."""
+    limit = f"{CRITICAL_STOKES:g}"
+    if stokes_number * _SLACK >= CRITICAL_STOKES:
+        severity: Severity = "ok"
+        text = f"St {stokes_number:.3g} >= {limit} (the sphere rebounds from the liquid)"
     else:
-        low = max(least, math.ceil((shortest or 0.0) / time_step * (1.0 - 1e-9)))
-        high = math.floor(longest / time_step * (1.0 + 1e-9))
-        if high >= low:
-            window, best = (low, high), max(low, min(high, most))
-            text = f"N_c from {low} to {high} keeps to all limits; {best} is best: the softest allowed"
-            text += f", up to {most} where more gains nothing." if high > most else ", best resolved in time."
-        else:
-            text = f"No N_c keeps to all limits at this time step: lower it to {at_most:.3g} s or less."
-    if at_most is not None:
-        text += f" Of the upper limits {decides} decides."
-    return Advice(shortest, longest, window, best, at_most, at_design, text)
+        severity = "note"
+        text = f"viscous damping governs (St {stokes_number:.3g} < {limit}); e_n and k_n hardly matter"
+    return _verdict("wet_rebound", stokes_number, CRITICAL_STOKES, severity, text,
+                    "below this Stokes number the liquid stops the rebound",
+                    "Gondret, Lance, Petit, Phys. Fluids 14 (2002) 643")  # fmt: skip

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,15 +18,96 @@ from rdpm.figures.style import ACCENT, PALETTE, drawing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["limits_map", "line", "produced_chart", "trial_chart"]
+__all__ = ["column_chart", "limits_map", "line", "own", "produced_chart", "trial_chart"]
 
 _MARKS = ("-", "--", "-.", ":")
+_COLUMN = 85.0 / 25.4  # width of a journal's column [in]
+# of text in print at that width [pt]
+_SMALL: Any = {
+    "font.size": 7.5, "axes.labelsize": 8, "axes.titlesize": 8, "xtick.labelsize": 7.5, "ytick.labelsize": 7.5,
+    "legend.fontsize": 7, "lines.linewidth": 1.2, "legend.handlelength": 2.2,
+}  # fmt: skip
+
+
+@contextmanager
+def column_chart(title: str, height: float = 3.3) -> Iterator[Figure]:
+    """Give a figure a column wide (85 mm) with its title; the legend of all its axes is set below on leaving.
+
+    Examples
+    --------
+    >>> with column_chart("stiffness") as figure:
+    ...     axes = figure.add_subplot()
+    >>> round(figure.get_figwidth() * 25.4)
+    85
+    """
+    import matplotlib
+    from matplotlib.transforms import ScaledTranslation
+
+    with drawing(_COLUMN, height) as figure, matplotlib.rc_context(_SMALL):
+        figure.set_dpi(300)
+        yield figure
+        figure.suptitle(title, fontsize=8.5)
+        # one entry a name; the user's own design last
+        named = {t: h for axes in figure.axes for h, t in zip(*axes.get_legend_handles_labels(), strict=True)}
+        names = sorted(named, key=lambda name: name == _OWN)
+        columns = 1 if any(len(name) > 26 for name in names) else 2 if any(len(name) > 14 for name in names) else 3
+        lowest = figure.axes[-1]
+        below = lowest.transAxes + ScaledTranslation(0.0, -32.0 / 72.0, figure.dpi_scale_trans)
+        lowest.legend(
+            [named[n] for n in names], names, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below,
+            borderaxespad=0.0, ncols=columns,
+        )  # fmt: skip
+        for axes in figure.axes:
+            _thin_ticks(axes.xaxis)
+            _thin_ticks(axes.yaxis)
+
+
+def _thin_ticks(axis: Any) -> None:
+    """Give a logarithmic axis ticks that are apart: decades, or 1, 2 and 5 of each where there are few."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    if axis.get_scale() != "log":
+        return
+    low, high = sorted(axis.get_view_interval())
+    decades = np.log10(high / low)
+    if decades < 2.5:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: _tick_text(value)))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def _tick_text(value: float) -> str:
+    """Say a tick of 1, 2 or 5 times a power of ten.
+
+    Examples
+    --------
+    >>> _tick_text(0.05), _tick_text(2e-5)
+    ('0.05', '$2\\\\cdot10^{-5}$')
+    """
+    if 1e-3 <= value < 1e5:
+        return f"{value:g}"
+    digits, power = f"{value:.0e}".split("e")
+    return rf"$10^{{{int(power)}}}$" if digits == "1" else rf"${digits}\cdot10^{{{int(power)}}}$"
+
+
+_SCHEMES = {
+    "explicit-euler": "explicit Euler", "semi-implicit-euler": "semi-implicit Euler",
+    "velocity-verlet": "velocity Verlet", "exact": "exact (rdpm)",
+}  # fmt: skip
+_OWN = "this design"
 
 
 def line(axes: Any, i: int, x: Any, y: Any, label: str, **more: Any) -> None:
     """Draw a line told from the others by colour and dash."""
     style = {"color": PALETTE[i % len(PALETTE)], "ls": _MARKS[i % len(_MARKS)], "label": label}
     axes.plot(x, y, **{**style, **more})
+
+
+def own(axes: Any, mark: tuple[float, float] | None) -> None:
+    """Mark the user's own design; an undamped one has no place on a logarithmic axis of damping."""
+    if mark is not None and not (axes.get_yscale() == "log" and mark[1] <= 0.0):
+        star: Any = {"marker": "*", "ms": 10, "mfc": "#F0E442", "mec": "#262626", "mew": 0.8, "ls": "none"}
+        axes.plot(*mark, **star, label=_OWN, zorder=5, clip_on=False)
 
 
 def trial_chart(
@@ -36,6 +119,7 @@ def trial_chart(
     impact_speed: float,
     overlap_limit: float = 0.005,
     ending: Ending = "zero-force",
+    own_stiffness: float | None = None,
 ) -> Figure:
     """What a fixed dashpot does beside springs of several stiffness, and which pass.
 
@@ -56,6 +140,8 @@ def trial_chart(
     overlap_limit : float, [-]
         Fraction of the diameter, > 0.
     ending : {"zero-force", "zero-overlap"}
+    own_stiffness : float or None, [N/m]
+        Of the user's design, marked.
 
     Returns
     -------
@@ -66,36 +152,38 @@ def trial_chart(
     >>> len(trial_chart(1e-3, 0.15, [5.0, 50.0], 1e-3, 0.015, 0.02).axes)
     3
     """
-    t = trial_and_error(
-        reduced_mass, damping, stiffness, time_step, overlap_limit * diameter, impact_speed, ending
-    )
-    panels = (
-        ("restitution $e_n$", t.restitution, None),
-        (
-            "contact steps $N_c$",
-            np.where(np.isfinite(t.contact_steps), t.contact_steps, np.nan),
-            LEAST_CONTACT_STEPS,
-        ),
-        ("peak overlap [% d]", 100.0 * t.overlap / diameter, 100.0 * overlap_limit),
-    )
-    with drawing(7.0, 6.4) as figure:
+    limit = overlap_limit * diameter
+
+    def found(k: Any) -> tuple[Any, tuple[Any, ...]]:
+        t = trial_and_error(reduced_mass, damping, k, time_step, limit, impact_speed, ending)
+        steps = np.where(np.isfinite(t.contact_steps), t.contact_steps, np.nan)
+        return t, (t.restitution, steps, 100.0 * t.overlap / diameter)
+
+    t, values = found(stiffness)
+    names = ("restitution $e_n$", "contact steps $N_c$", "peak overlap [% d]")
+    limits = (None, (LEAST_CONTACT_STEPS, "least steps"), (100.0 * overlap_limit, "largest overlap"))
+    marks = None if own_stiffness is None else found([own_stiffness])[1]
+    with column_chart("Springs beside a fixed dashpot", 5.6) as figure:
         stack = figure.subplots(3, 1, sharex=True)
-        for i, (axes, (name, values, limit)) in enumerate(zip(stack, panels, strict=True)):
-            axes.plot(t.stiffness, values, color=PALETTE[i])
+        for i, axes in enumerate(stack):
+            line(axes, 0, t.stiffness, values[i], "given by the spring")
             axes.fill_between(
                 t.stiffness, 0, 1, where=t.accepted, transform=axes.get_xaxis_transform(),
                 color="#56B4E9", alpha=0.2, lw=0, label="keeps to all limits",
             )  # fmt: skip
-            if limit is not None:
-                axes.axhline(limit, color=ACCENT, lw=1.0, ls="--", label=f"limit {limit:g}")
-            axes.set(ylabel=name, xscale="log")
-            if i == 1:
-                axes.set_yscale("log")
-                axes.yaxis.set_major_formatter("{x:g}")
+            bound = limits[i]
+            if bound is not None:
+                name = f"{bound[1]}: {bound[0]:g}" + (" % d" if i == 2 else "")
+                axes.axhline(bound[0], color=PALETTE[2 + i], lw=1.0, ls="--", label=name)
+            axes.set(ylabel=names[i], xscale="log")
+            if i == 0:
+                axes.set_ylim(0.0, 1.05)
             else:
-                axes.set_ylim(bottom=0.0)
-            axes.legend(loc="best")
+                axes.set_yscale("log")
+            if marks is not None:
+                own(axes, (float(own_stiffness or 0.0), float(marks[i][0])))
         stack[-1].set_xlabel("normal stiffness $k_n$ [N/m]")
+        figure.align_ylabels()
     return figure
 
 
@@ -141,25 +229,23 @@ def limits_map(
     v = np.asarray(impact_speeds, dtype=np.float64)
     upper = largest_contact_time(restitution, overlap_limit * diameter, v, ending) / time_step
     lower = np.full(v.shape, float(LEAST_CONTACT_STEPS))
-    with drawing() as figure:
-        axes = figure.add_subplot(xlabel="impact speed [m/s]", ylabel="contact steps $N_c$")
+    with column_chart("Contact steps that keep to the limits", 3.6) as figure:
+        axes = figure.add_subplot(xlabel="impact speed $v$ [m/s]", ylabel="contact steps $N_c$")
         axes.set(xscale="log", yscale="log")
-        axes.plot(v, upper, color=PALETTE[0], label=f"overlap {100 * overlap_limit:g} % d: no more")
-        axes.axhline(LEAST_CONTACT_STEPS, color=PALETTE[2], ls="--", label="resolution: no fewer")
+        line(axes, 0, v, upper, f"no more: overlap {100 * overlap_limit:g} % d")
+        axes.axhline(LEAST_CONTACT_STEPS, color=PALETTE[2], ls="--", label="no fewer: resolution")
         if hertz is not None:
             steps = hertz[0] * (v / hertz[1]) ** -0.2 / time_step
-            axes.plot(v, steps, color=PALETTE[6], ls="-.", label="Hertz: no fewer")
+            axes.plot(v, steps, color=PALETTE[6], ls="-.", label="no fewer: Hertz")
             lower = np.maximum(lower, steps)
         axes.fill_between(
-            v, lower, upper, where=upper >= lower, color="#56B4E9", alpha=0.3, lw=0, label="room"
+            v, lower, upper, where=upper >= lower, color="#56B4E9", alpha=0.3, lw=0, label="allowed"
         )
         axes.axhline(MOST_CONTACT_STEPS, color=ACCENT, ls=":", label="more gains nothing")
-        if chosen is not None:
-            axes.plot(*chosen, "o", color=PALETTE[1], label="this design")
+        own(axes, chosen)
         axes.set_xlim(v.min(), v.max())
-        axes.set_ylim(1.0, 200.0)
-        axes.yaxis.set_major_formatter("{x:g}")
-        axes.legend(loc="upper right")
+        n = 10.0 if chosen is None else chosen[1]
+        axes.set_ylim(min(1.0, 0.5 * n), max(200.0, 2.0 * n))
     return figure
 
 
@@ -167,8 +253,9 @@ def produced_chart(
     restitution: float,
     contact_steps: Any = (4, 5, 6, 8, 10, 12, 15, 20, 30, 50),
     ending: Ending = "zero-overlap",
+    own_steps: float | None = None,
 ) -> Figure:
-    """Restitution that integrators produce without sub-steps, mean and spread over the phase of touch.
+    """Restitution that integrators achieve without sub-steps, mean and spread over the phase of touch.
 
     Parameters
     ----------
@@ -177,6 +264,8 @@ def produced_chart(
     contact_steps : (n,) array, [-]
         > 1.
     ending : {"zero-force", "zero-overlap"}
+    own_steps : float or None, [-]
+        Contact steps of the user's design, marked where rdpm puts it: at the design restitution.
 
     Returns
     -------
@@ -187,15 +276,15 @@ def produced_chart(
     >>> len(produced_chart(0.5, (8, 10)).axes)
     1
     """
-    with drawing() as figure:
-        axes = figure.add_subplot(xlabel="contact steps $N_c$", ylabel="restitution produced", xscale="log")
+    n = np.asarray(contact_steps, dtype=np.float64)
+    with column_chart("Restitution achieved without sub-steps", 3.4) as figure:
+        axes = figure.add_subplot(xlabel="contact steps $N_c$", ylabel="restitution achieved", xscale="log")
         for i, name in enumerate(INTEGRATORS):
-            found = np.array([produced_restitution(restitution, n, name, ending) for n in contact_steps])
-            line(axes, i, contact_steps, found[:, 0], name)
+            found = np.array([produced_restitution(restitution, q, name, ending) for q in n])
+            found[~np.isfinite(found)] = np.nan
+            line(axes, i, n, found[:, 0], _SCHEMES.get(name, name))
             color = PALETTE[i % len(PALETTE)]
-            axes.fill_between(contact_steps, found[:, 1], found[:, 2], color=color, alpha=0.2, lw=0)
-        axes.set_xticks(contact_steps, [f"{n:g}" for n in contact_steps])
-        axes.minorticks_off()
-        axes.set_ylim(bottom=0.0)
-        axes.legend()
+            axes.fill_between(n, found[:, 1], found[:, 2], color=color, alpha=0.2, lw=0)
+        own(axes, None if own_steps is None else (own_steps, restitution))
+        axes.set_ylim(0.0, min(1.5, axes.get_ylim()[1]))
     return figure

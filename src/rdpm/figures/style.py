@@ -65,13 +65,13 @@ def drawing(width: float = 7.0, height: float = 4.2) -> Iterator[Figure]:
 
 
 def save(figure: Figure, path: str | Path, caption: str) -> Path:
-    """Write a figure as PNG with its caption below, whole or not at all.
+    """Write a figure with its caption below, whole or not at all.
 
     Parameters
     ----------
     figure : matplotlib.figure.Figure
     path : path
-        Ends in ``.png``; its folder is made.
+        Ends in ``.png``, ``.pdf`` or ``.svg``; its folder is made.
     caption : str
         What was run.
 
@@ -91,7 +91,7 @@ def save(figure: Figure, path: str | Path, caption: str) -> Path:
     lines = textwrap.wrap(together, int(figure.get_figwidth() * 16))
     figure.supxlabel("\n".join(lines), fontsize=7.5, color="#555555", x=0.01, ha="left")
     with replacing(path) as temporary:
-        figure.savefig(temporary, format="png")
+        figure.savefig(temporary, format=path.suffix[1:])
     return path
 
 

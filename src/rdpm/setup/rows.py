@@ -167,5 +167,5 @@ def _contact(pair: PairKind) -> list[PlanRow]:
         rows.append(_row("contact time t_c", f"{d.contact_time_s:.4g} s{steps}"))
     for verdict in d.verdicts:
         value = "-" if verdict.value is None else f"{verdict.value:.4g}"
-        rows.append(_row(verdict.name, value, verdict.ok, verdict.reason))
+        rows.append(_row(verdict.name, value, verdict.ok, verdict.text))
     return rows
