@@ -76,8 +76,11 @@ def test_step_between_the_share_and_the_whole_of_a_cell_is_taken() -> None:
         {"max_overlap": 0.001, "impact_speed": 0.2, "restitution": 0.9},
     ],
 )
-def test_literal_stiffness_lowers_the_step_to_four_a_contact(way) -> None:
-    found = plan(case(contact=way, time__step=5e-3))
+def test_a_step_above_the_contact_limit_is_refused_and_an_automatic_one_has_four_a_contact(way) -> None:
+    with pytest.raises(CaseError, match=r"^time\.step = 0\.005 s: must be at most .* s \(the shortest contact") as error:
+        plan(case(contact=way, time__step=5e-3))
+    assert str(error.value).endswith('needs 4 steps). Lower it, use "auto", or give a softer contact.')
+    found = plan(case(contact=way))
     assert found.step.limit == "contact"
     shortest = min(pair.design.contact_time_s for pair in found.pairs)
     assert found.step.dt <= shortest / 4.0 * (1.0 + 1e-9)

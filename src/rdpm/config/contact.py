@@ -61,6 +61,8 @@ class Contact(Model):
         Whether the lubrication that the grid does not resolve is added; with a fluid only.
     lubrication_roughness
         Gap over radius below which the lubrication force no longer grows.
+    overlap_warning
+        Overlap over the smaller diameter above which a design or a run warns: deeper contacts disturb the flow.
     overlap_limit
         Overlap over the smaller diameter at which a run stops.
     substeps
@@ -86,6 +88,7 @@ class Contact(Model):
     poisson_ratio: Annotated[float | None, Quantity("", ge=0.0, le=0.5)] = None
     lubrication: Annotated[StrictBool, LeftOut("true with a fluid")] = True
     lubrication_roughness: Annotated[float, Quantity("", gt=0.0, le=0.1)] = 1e-3
+    overlap_warning: Annotated[float, Quantity("", gt=0.0, le=0.05)] = 0.005
     overlap_limit: Annotated[float, Quantity("", gt=0.0, le=0.5)] = 0.2
     substeps: Annotated[int | None, Whole(1, 100_000), LeftOut("chosen from the contact time")] = None
 

@@ -200,6 +200,7 @@ def pairs(case: Case, kinds: list[Kind], law: SoftSphere, dt: float, fall: float
                 time_step=dt,
                 ending=case.contact.ending,
                 impact_speed=fall or None,
+                overlap_limit=case.contact.overlap_warning,
                 gravity=float(np.linalg.norm(case.domain.gravity)),
                 tangential_ratio=law.tangential_ratio,
                 friction=case.contact.friction,

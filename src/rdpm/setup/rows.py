@@ -15,6 +15,9 @@ from rdpm.setup.scales import Scales, available_memory
 
 __all__ = ["EXPECTED_NS", "PlanRow", "sections"]
 
+#: Whether a row is ok, by the severity of its verdict; a note is neither.
+_OK: dict[str, bool | None] = {"ok": True, "note": None, "fail": False}
+
 #: Nanoseconds a cell and step on one thread, for the estimate of a run's time.
 EXPECTED_NS = 20.0
 
@@ -167,5 +170,5 @@ def _contact(pair: PairKind) -> list[PlanRow]:
         rows.append(_row("contact time t_c", f"{d.contact_time_s:.4g} s{steps}"))
     for verdict in d.verdicts:
         value = "-" if verdict.value is None else f"{verdict.value:.4g}"
-        rows.append(_row(verdict.name, value, verdict.ok, verdict.text))
+        rows.append(_row(verdict.name, value, _OK[verdict.severity], verdict.text))
     return rows

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 
 from rdpm.config.case import Case
+from rdpm.design.verdicts import LEAST_CONTACT_STEPS
 from rdpm.errors import CaseError
 from rdpm.fluid.timestep import Choice, advective_limit, choose_step
 
@@ -42,13 +43,16 @@ def time_step(
     Raises
     ------
     CaseError
-        The step asked for is above a limit of the flow.
+        The step asked for is above a limit of the flow, or of contacts whose stiffness is given: nothing that a user
+        wrote is replaced.
     """
+    if not isinstance(case.time.step, str):
+        _check_contact(case, case.time.step, contact)
     if spacing is None or case.fluid is None:
         return _dry(case, contact)
     asked = case.time.step
     if not isinstance(asked, str):
-        return _asked(case, spacing, speed, asked, contact)
+        return _asked(case, spacing, speed, asked)
     advective = advective_limit(spacing, speed, case.time.cfl)
     limits = {"advective": advective, "contact": contact, "output": case.time.end}
     choice = choose_step(spacing, case.fluid.nu, case.time.diffusion, limits)
@@ -58,21 +62,28 @@ def time_step(
 
 def _dry(case: Case, contact: float) -> Choice:
     asked = case.time.step
-    if isinstance(asked, str) or asked > contact:
-        # As promised of a stiffness given literally: a step is lowered, and the reason is said.
-        dt, limit = contact, "contact"
-    else:
-        dt, limit = asked, "user"
-    return Choice(_to_end(case.time.end, dt) if asked == "auto" else dt, limit, True, 0, {"contact": contact})
+    if isinstance(asked, str):
+        return Choice(_to_end(case.time.end, contact), "contact", True, 0, {"contact": contact})
+    return Choice(asked, "user", True, 0, {"contact": contact})
 
 
-def _asked(
-    case: Case, spacing: Spacing, speed: tuple[float, float, float], asked: float, contact: float
-) -> Choice:
-    """The step asked for, within the limits of the flow; lowered where a stiffness is given."""
+def _check_contact(case: Case, asked: float, contact: float) -> None:
+    """Refuse a step in which a contact of given stiffness has too few steps."""
+    if case.contact.way == "contact-steps" or asked <= contact * (1.0 + 1e-9):
+        return
+    raise CaseError(
+        "time.step",
+        f"{asked:g} s",
+        f"must be at most {contact:.3g} s",
+        f"the shortest contact of this stiffness lasts {LEAST_CONTACT_STEPS * contact:.3g} s "
+        f"and needs {LEAST_CONTACT_STEPS} steps",
+        'Lower it, use "auto", or give a softer contact.',
+    )
+
+
+def _asked(case: Case, spacing: Spacing, speed: tuple[float, float, float], dt: float) -> Choice:
+    """The step asked for, within the limits of the flow."""
     assert case.fluid is not None
-    literal = case.contact.stiffness is not None or case.contact.max_overlap is not None
-    dt, limit = (contact, "contact") if literal and asked > contact else (asked, "user")
     # A step that is asked for may use the whole cell that time.cfl keeps a share of.
     hardest = advective_limit(spacing, speed, 1.0)
     limits = {"user": dt, "advective": hardest}
@@ -95,7 +106,7 @@ def _asked(
             f"the limit of {'explicit' if choice.is_explicit else 'stabilised'} diffusion on this grid",
             'Lower it, or set time.diffusion = "auto".' if case.time.diffusion == "explicit" else "Lower it.",
         )
-    return Choice(dt, limit, choice.is_explicit, choice.stages, choice.limits)
+    return Choice(dt, "user", choice.is_explicit, choice.stages, choice.limits)
 
 
 def _adaptive(case: Case, spacing: Spacing, contact: Choice, limits: dict[str, float]) -> Choice:
