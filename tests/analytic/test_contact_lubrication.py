@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from rdpm.contacts import Box, Contacts, Lubrication, SoftSphere
+from rdpm.contacts import Contacts, Lubrication, SoftSphere
+from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
 DATA = Path(__file__).parents[1] / "data"
 VISCOSITY, RADIUS = 0.1, 5e-3
-ROOM = Box((1.0, 1.0, 1.0), (False,) * 3, (True,) * 3)
+ROOM = Box((1.0, 1.0, 1.0))
 LAW = SoftSphere.from_contact_time(0.5, 8e-3)
 
 

@@ -5,14 +5,15 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rdpm import design
-from rdpm.contacts import Box, Contacts, SoftSphere
+from rdpm.contacts import Contacts, SoftSphere
+from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
 # One percent is promised; the located touch and end leave 0.06 % at 100 sub-steps a contact, so a tenth of
 # the promise is held here.
 TOLERANCE = 1e-3
 PHASES = np.linspace(0.0, 1.0, 10, endpoint=False)
-ROOM = Box((1.0, 1.0, 1.0), (False,) * 3, (True,) * 3)
+ROOM = Box((1.0, 1.0, 1.0))
 DIAMETER, SPEED, CONTACT_TIME = 0.01, 0.1, 1e-3
 
 

@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import StrictBool, model_validator
 
 from rdpm.config.fields import Model, Vector, choice, number, vector
 from rdpm.config.rule import RuleError
+from rdpm.conventions import BOUNDARY_KINDS, FACES, BoundaryKind
 
-__all__ = ["SIDES", "Boundary", "Domain", "Fluid", "WallVelocity"]
+__all__ = ["Boundary", "Domain", "Fluid", "WallVelocity"]
 
-SIDES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
-
-Kind = Literal["wall", "periodic", "free-slip"]
-_KIND = choice("wall", "periodic", "free-slip")
+_KIND = choice(*BOUNDARY_KINDS)
 _WALL_SPEED = vector("m/s")
 
 
 class Boundary(Model):
-    """What bounds the box, for each pair of opposite sides.
+    """What bounds the box, for each pair of opposite faces.
 
     Attributes
     ----------
@@ -27,9 +25,9 @@ class Boundary(Model):
         A wall has no slip.
     """
 
-    x: Annotated[Kind, _KIND] = "wall"
-    y: Annotated[Kind, _KIND] = "wall"
-    z: Annotated[Kind, _KIND] = "wall"
+    x: Annotated[BoundaryKind, _KIND] = "wall"
+    y: Annotated[BoundaryKind, _KIND] = "wall"
+    z: Annotated[BoundaryKind, _KIND] = "wall"
 
 
 class WallVelocity(Model):
@@ -67,7 +65,7 @@ class Domain(Model):
     wall_velocity: WallVelocity = WallVelocity()
 
     @property
-    def kinds(self) -> tuple[Kind, Kind, Kind]:
+    def kinds(self) -> tuple[BoundaryKind, BoundaryKind, BoundaryKind]:
         """Boundaries along x, y, z."""
         return self.boundary.x, self.boundary.y, self.boundary.z
 
@@ -79,25 +77,25 @@ class Domain(Model):
 
     @model_validator(mode="after")
     def _walls_slide(self) -> Domain:
-        for n, side in enumerate(SIDES):
-            velocity = getattr(self.wall_velocity, side)
+        for n, face in enumerate(FACES):
+            velocity = getattr(self.wall_velocity, face)
             if velocity is None:
                 continue
             if self.kinds[n // 2] != "wall":
                 raise RuleError(
-                    f'must be left out where boundary.{side[0]} = "{self.kinds[n // 2]}"',
+                    f'must be left out where boundary.{face[0]} = "{self.kinds[n // 2]}"',
                     "only a wall moves",
-                    f'Set domain.boundary.{side[0]} = "wall".',
+                    f'Set domain.boundary.{face[0]} = "wall".',
                     value=velocity,
-                    at=("wall_velocity", side),
+                    at=("wall_velocity", face),
                 )
             if velocity[n // 2] != 0.0:
                 raise RuleError(
-                    f"must have no {side[0]} component",
+                    f"must have no {face[0]} component",
                     "a wall slides in its own plane",
                     f"Set component {n // 2} to 0.",
                     value=velocity,
-                    at=("wall_velocity", side),
+                    at=("wall_velocity", face),
                 )
         return self
 

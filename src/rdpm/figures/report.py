@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rdpm.conventions import OVERLAP_WARNING
 from rdpm.errors import OutputError
 from rdpm.figures import page, plots
 from rdpm.figures.bodies_3d import finish_rendering, start_rendering
@@ -19,7 +20,6 @@ from rdpm.io.files import replacing
 
 __all__ = ["make_report"]
 
-_OVERLAP_WARNING = 0.005   # of the smaller diameter: above it the contact is softer than a design should be
 _DRY = "The restitution asked for is that of a dry contact; in a fluid it falls with the Stokes number."
 
 
@@ -171,7 +171,7 @@ def _case_file(run: RunFolder) -> str:
 def _warnings(run: RunFolder) -> list[str]:
     warnings = [str(text) for text in run.summary.get("warnings") or []]
     overlap = (run.summary.get("contacts") or {}).get("max_overlap_fraction") or 0.0
-    if overlap > _OVERLAP_WARNING and not any("overlap" in text for text in warnings):
+    if overlap > OVERLAP_WARNING and not any("overlap" in text for text in warnings):
         found = f"The largest overlap was {100 * overlap:.2g} % of a diameter"
         warnings.append(f"{found}; a design keeps it below 0.5 %.")
     return warnings

@@ -18,15 +18,14 @@ from rdpm.io.files import reporting
 __all__ = [
     "CONTACT_COLUMNS",
     "HISTORY_COLUMNS",
-    "NO_NEIGHBOUR",
     "PARTICLE_COLUMNS",
     "TIMING_COLUMNS",
     "TableWriter",
     "read_table",
 ]
 
-# force: hydrodynamic; gap: the smallest to any body or wall; neighbour: that body, -1..-6 a wall,
-# NO_NEIGHBOUR none.
+# force: hydrodynamic; gap: the smallest to any body or wall; neighbour: that body, -1..-6 a face of
+# the box, `rdpm.conventions.NO_NEIGHBOUR` none.
 PARTICLE_COLUMNS = (
     "time_s", "id", "x_m", "y_m", "z_m", "u_m_s", "v_m_s", "w_m_s",
     "omega_x_rad_s", "omega_y_rad_s", "omega_z_rad_s", "force_x_N", "force_y_N", "force_z_N",
@@ -42,7 +41,6 @@ HISTORY_COLUMNS = (
     "max_overlap_fraction", "slip",
 )
 TIMING_COLUMNS = ("step", "time_s", "wall_s", "momentum_s", "bodies_s", "poisson_s", "contacts_s")
-NO_NEIGHBOUR = -7
 
 _HELD = 1 << 20  # bytes of rows that wait for a flush at most
 _INTEGERS = {"id", "neighbour", "i", "j", "step"}

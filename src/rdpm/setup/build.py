@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from rdpm.config.case import Case
-from rdpm.config.domain import SIDES
-from rdpm.contacts import Box, Contacts, Lubrication
+from rdpm.contacts import Contacts, Lubrication
+from rdpm.conventions import FACES
 from rdpm.coupling.mean_flow import MeanFlow
 from rdpm.coupling.step import System
 from rdpm.fluid import Fluid
-from rdpm.grid import Grid
+from rdpm.grid import Box, Grid
 from rdpm.parallel.threads import available_threads
 from rdpm.particles.markers import MarkerSet
 from rdpm.particles.prescribed import Motion, Prescription
@@ -78,17 +78,16 @@ def _system(made: Plan, threads: int) -> System:
     prescription = Prescription(_motions(table.motion))
     prescription.hold(bodies, 0.0, 0.0)
     domain = case.domain
-    wall_velocity = np.array([getattr(domain.wall_velocity, side) or (0.0, 0.0, 0.0) for side in SIDES])
+    wall_velocity = np.array([getattr(domain.wall_velocity, face) or (0.0, 0.0, 0.0) for face in FACES])
     x, y, z = domain.size
-    has_wall = [kind == "wall" for kind in domain.kinds]
-    box = Box((x, y, z), domain.is_periodic, (has_wall[0], has_wall[1], has_wall[2]), wall_velocity)
+    box = Box((x, y, z), domain.kinds, wall_velocity)
     gravity = np.array(domain.gravity)
     fluid = case.fluid
     if fluid is None or made.cells is None:
         contacts = _contacts(made, bodies, box, None)
         held = np.concatenate([bodies.mass[:, None] * gravity, np.zeros((len(bodies), 3))], axis=1)
         return System(bodies, contacts, prescription, held)
-    grid = Grid((x, y, z), made.cells, domain.kinds, wall_velocity, threads)
+    grid = Grid(box, made.cells, threads)
     flow = Fluid(grid, fluid.density, fluid.nu, made.step.is_explicit)
     flow.set_velocity(*fluid.initial_velocity)
     film = None

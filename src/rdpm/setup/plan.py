@@ -308,7 +308,7 @@ def _contact_limit(case: Case, found: Scales) -> float:
     contact = case.contact
     if contact.way != "contact-steps":
         law = _law(case, math.nan)
-        return float(law.time_scale(mass, diameter).min()) / LEAST_CONTACT_STEPS
+        return float(law.resolved_time(mass, diameter).min()) / LEAST_CONTACT_STEPS
     if found.fall == 0.0:
         return math.inf
     # Contact time in which a dry impact at the bodies' own speed reaches the overlap allowed.
@@ -339,7 +339,7 @@ def _pairs(case: Case, law: SoftSphere, dt: float, found: Scales) -> list[PairKi
     kinds = _kinds(case)
     if not kinds:
         return []
-    parameters = law.parameters(*_columns(kinds))
+    stiffness, damping = law.normal(*_columns(kinds))
     fluid = {"fluid_density": case.fluid.density, "viscosity": case.fluid.mu} if case.fluid else {}
     return [
         PairKind(
@@ -361,7 +361,7 @@ def _pairs(case: Case, law: SoftSphere, dt: float, found: Scales) -> list[PairKi
                 **fluid,
             ),
         )
-        for kind, k_n, eta_n in zip(kinds, parameters.normal_stiffness, parameters.normal_damping, strict=True)
+        for kind, k_n, eta_n in zip(kinds, stiffness, damping, strict=True)
     ]
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rdpm.conventions import OVERLAP_WARNING
 from rdpm.io.provenance import environment, peak_memory_bytes
 from rdpm.io.tables import read_table
 from rdpm.setup import Plan, Simulation
@@ -15,9 +16,6 @@ from rdpm.simulation.recorder import Recorder
 from rdpm.studies.dkt import from_particles_table
 
 __all__ = ["summarise"]
-
-#: Overlap of the smaller diameter above which a run warns: the flow then sees bodies where there are none.
-OVERLAP_WARNING = 0.005
 
 
 def summarise(simulation: Simulation, recorder: Recorder, folder: Path, status: str) -> dict[str, Any]:
