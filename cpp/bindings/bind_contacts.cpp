@@ -185,7 +185,8 @@ void end_step(const Reals& box, const Array<double>& position, const Array<doubl
     }
 }
 
-void lubrication_resistance(const Reals& gap, const ConstBytes& lubrication, const Array<double>& resistance) {
+void lubrication_resistance(const Reals& gap, const ConstBytes& lubrication,
+                            const Array<double>& resistance) {
     const std::int64_t n = rows(gap);
     const double* g = checked(gap, "gap", {n});
     double* out = checked(resistance, "resistance", {n});
@@ -211,16 +212,15 @@ void bind_contacts(nb::module_& module) {
         .def_prop_ro("history", [](const contacts::Kernel& k) { return layout_dict(k.history); });
     module.def("soft_sphere_kernel", [] { return &soft_sphere; }, nb::rv_policy::reference);
     module.def("contact_layouts", &contact_layouts);
-    module.def("run_substeps", &run_substeps, nb::arg("kernel"), nb::arg("box"),
-               nb::arg("position").noconvert(), nb::arg("velocity").noconvert(),
-               nb::arg("angular_velocity").noconvert(), nb::arg("rotation").noconvert(),
-               nb::arg("velocity_increment"), nb::arg("angular_increment"), nb::arg("inverse_mass"),
-               nb::arg("inverse_moment"), nb::arg("radius"), nb::arg("impulse").noconvert(),
-               nb::arg("angular_impulse").noconvert(), nb::arg("contact_impulse").noconvert(),
-               nb::arg("active"), nb::arg("pairs"), nb::arg("parameters").noconvert(),
-               nb::arg("lubrication").noconvert(), nb::arg("state").noconvert(),
-               nb::arg("history").noconvert(), nb::arg("finished").noconvert(), nb::arg("time"), nb::arg("h"),
-               nb::arg("overlap_limit"), nb::arg("first"), nb::arg("last"));
+    module.def(
+        "run_substeps", &run_substeps, nb::arg("kernel"), nb::arg("box"), nb::arg("position").noconvert(),
+        nb::arg("velocity").noconvert(), nb::arg("angular_velocity").noconvert(),
+        nb::arg("rotation").noconvert(), nb::arg("velocity_increment"), nb::arg("angular_increment"),
+        nb::arg("inverse_mass"), nb::arg("inverse_moment"), nb::arg("radius"), nb::arg("impulse").noconvert(),
+        nb::arg("angular_impulse").noconvert(), nb::arg("contact_impulse").noconvert(), nb::arg("active"),
+        nb::arg("pairs"), nb::arg("parameters").noconvert(), nb::arg("lubrication").noconvert(),
+        nb::arg("state").noconvert(), nb::arg("history").noconvert(), nb::arg("finished").noconvert(),
+        nb::arg("time"), nb::arg("h"), nb::arg("overlap_limit"), nb::arg("first"), nb::arg("last"));
     module.def("end_step", &end_step, nb::arg("box"), nb::arg("position").noconvert(),
                nb::arg("velocity").noconvert(), nb::arg("angular_velocity").noconvert(),
                nb::arg("orientation").noconvert(), nb::arg("crossings").noconvert(),

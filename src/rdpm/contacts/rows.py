@@ -38,9 +38,9 @@ def check_layout(dtype: np.dtype[np.void], layout: Mapping[str, Any], name: str)
     Traceback (most recent call last):
     ImportError: rows of history: Python has [('xi', 0, 1, 'f')] in 8 bytes, C++ [('xi', 0, 3, 'f')] in 24 bytes
     """
+    places: Mapping[str, Any] = dtype.fields or {}
     fields = []
-    for field in dtype.names or ():
-        kind, offset = (dtype.fields or {})[field][:2]
+    for field, (kind, offset) in places.items():
         fields.append((field, offset, kind.itemsize // kind.base.itemsize, kind.base.kind))
         if kind.base.itemsize != 8:
             raise ImportError(f"rows of {name}: {field} must be of 8 bytes")

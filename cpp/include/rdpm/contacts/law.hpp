@@ -41,11 +41,11 @@ concept ContactLaw = requires(const typename Law::Parameters& p, const Approach&
 // tangent plane; `inverse_mass` relates it to a tangential impulse; `duration`: time that the force acts;
 // `impulse` is written.
 template <class Law>
-concept TangentialLaw =
-    ContactLaw<Law> && requires(const typename Law::Parameters& p, typename Law::History& history,
-                                const double* n, const double* slip, double x, double* impulse) {
-        { Law::has_friction(p) } -> std::same_as<bool>;
-        Law::tangential_impulse(p, history, n, slip, /*inverse_mass*/ x, /*duration*/ x, /*normal*/ x, impulse);
-    };
+concept TangentialLaw = ContactLaw<Law> && requires(const typename Law::Parameters& p,
+                                                    typename Law::History& history, const double* n,
+                                                    const double* slip, double x, double* impulse) {
+    { Law::has_friction(p) } -> std::same_as<bool>;
+    Law::tangential_impulse(p, history, n, slip, /*inverse_mass*/ x, /*duration*/ x, /*normal*/ x, impulse);
+};
 
 }  // namespace rdpm::contacts

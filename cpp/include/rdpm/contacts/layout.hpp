@@ -20,8 +20,7 @@ constexpr Field field(const char* name, std::size_t offset) {
     return {name, offset, sizeof(Member) / sizeof(Scalar), std::is_same_v<Scalar, double> ? 'f' : 'i'};
 }
 
-#define RDPM_FIELD(Row, member) \
-    rdpm::contacts::field<decltype(Row::member)>(#member, offsetof(Row, member))
+#define RDPM_FIELD(Row, member) rdpm::contacts::field<decltype(Row::member)>(#member, offsetof(Row, member))
 
 // A row without members takes no space in an array of NumPy.
 struct Layout {

@@ -11,8 +11,8 @@ namespace rdpm::contacts {
 // lambda(gap) - lambda(resolved_gap) with lambda = inverse/gap + log*ln(1/gap) [N s/m]; zero beyond
 // cutoff_gap. The grid resolves touching surfaces as if they were touching_gap apart and, linearly in
 // between, those at cutoff_gap where they are. Constant below least_gap (the roughness); zero in overlap,
-// where the solids carry the load: the overlap of a softened contact is no squeeze flow, and would lose all of
-// a rebound in it. A row of zeros is a pair without lubrication.
+// where the solids carry the load: the overlap of a softened contact is no squeeze flow, and would lose all
+// of a rebound in it. A row of zeros is a pair without lubrication.
 struct LubricationRow {
     double inverse, log, least_gap, cutoff_gap, touching_gap;
 
@@ -24,8 +24,8 @@ struct LubricationRow {
         return inverse * (1 / g - 1 / resolved_gap(g)) + log * std::log(resolved_gap(g) / g);
     }
 
-    // Mean over a path of gaps: the impulse of a gap that is crossed in few sub-steps does not depend on where
-    // these fall.
+    // Mean over a path of gaps: the impulse of a gap that is crossed in few sub-steps does not depend on
+    // where these fall.
     double mean_resistance(double gap, double half_path) const {
         const double low = gap - std::abs(half_path), high = gap + std::abs(half_path);
         if (high <= 0 || low >= cutoff_gap || least_gap >= cutoff_gap) return 0;

@@ -31,9 +31,10 @@ struct Finished {
     double start, end, max_overlap, impact_speed, rebound_speed, work;
 };
 inline constexpr std::array finished_fields{
-    RDPM_FIELD(Finished, pair),          RDPM_FIELD(Finished, start),        RDPM_FIELD(Finished, end),
-    RDPM_FIELD(Finished, max_overlap),   RDPM_FIELD(Finished, impact_speed),
-    RDPM_FIELD(Finished, rebound_speed), RDPM_FIELD(Finished, work)};
+    RDPM_FIELD(Finished, pair),         RDPM_FIELD(Finished, start),
+    RDPM_FIELD(Finished, end),          RDPM_FIELD(Finished, max_overlap),
+    RDPM_FIELD(Finished, impact_speed), RDPM_FIELD(Finished, rebound_speed),
+    RDPM_FIELD(Finished, work)};
 
 struct BodyArrays {
     double *x, *v, *w, *rotation;  // (N, 3); rotation vector since the step began
@@ -102,10 +103,10 @@ struct Impulses {
 
 // The law's part is taken at the mean rate (implicit midpoint), lubrication at the rate after the impulse:
 // stable whatever lambda h / m. u holds all of the sub-step's outer acceleration, u_mid half of it, so that a
-// body at rest under its weight has exactly its static overlap and one that sinks through a narrow gap exactly
-// the speed F/lambda.
-inline Impulses solve_normal(const NormalImpulse& law, bool acts, double lambda, double inverse_mass, double u,
-                             double u_mid, double h) {
+// body at rest under its weight has exactly its static overlap and one that sinks through a narrow gap
+// exactly the speed F/lambda.
+inline Impulses solve_normal(const NormalImpulse& law, bool acts, double lambda, double inverse_mass,
+                             double u, double u_mid, double h) {
     const double viscous = h * lambda * inverse_mass;
     const double all = (law.elastic + law.damping * u_mid + h * lambda * u) /
                        (1 + 0.5 * law.damping * inverse_mass + viscous);
@@ -170,10 +171,9 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
                 Progress& progress) {
     const BodyArrays& b = task.bodies;
     const double h = task.h;
-    const Geometry g = p.j < 0 ? wall_geometry(task.box, b.x + 3 * p.i, b.radius[p.i],
-                                               static_cast<int>(-1 - p.j))
-                               : sphere_geometry(task.box, b.x + 3 * p.i, b.x + 3 * p.j, b.radius[p.i],
-                                                 b.radius[p.j]);
+    const Geometry g =
+        p.j < 0 ? wall_geometry(task.box, b.x + 3 * p.i, b.radius[p.i], static_cast<int>(-1 - p.j))
+                : sphere_geometry(task.box, b.x + 3 * p.i, b.x + 3 * p.j, b.radius[p.i], b.radius[p.j]);
     progress.min_gap = std::min(progress.min_gap, -g.overlap);
     double u = 0, acceleration = 0;  // spins have no part along the normal
     for (int d = 0; d < 3; ++d) {
@@ -186,8 +186,8 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
     if (w.share() == 0 && lambda == 0 && s.phase == kApart) return false;
 
     const double inverse_mass = p.inverse_mass_i + p.inverse_mass_j;
-    const Impulses normal = solve_normal(Law::normal_impulse(law, w, h), w.share() != 0, lambda, inverse_mass,
-                                         u, u_mid, h);
+    const Impulses normal =
+        solve_normal(Law::normal_impulse(law, w, h), w.share() != 0, lambda, inverse_mass, u, u_mid, h);
     const double change = (normal.contact + normal.lubrication) * inverse_mass;
     double work = -normal.contact * (u_mid - 0.5 * change);
     double tangential[3] = {0, 0, 0};
@@ -222,8 +222,8 @@ inline void drift(const BodyArrays& b, std::int64_t id, double time) {
     }
 }
 
-// Runs until the last sub-step, until `finished` might overflow, or until a pair passes the overlap limit. Odd
-// sub-steps visit the pairs backwards: what the order does then cancels to second order.
+// Runs until the last sub-step, until `finished` might overflow, or until a pair passes the overlap limit.
+// Odd sub-steps visit the pairs backwards: what the order does then cancels to second order.
 template <ContactLaw Law>
 Progress run_substeps(const SubstepTask& task) {
     const BodyArrays& b = task.bodies;
@@ -250,8 +250,8 @@ Progress run_substeps(const SubstepTask& task) {
             const LubricationRow* lubrication = pairs.lubrication ? pairs.lubrication + pair : nullptr;
             const Partners p = partners_of(b, task.box, pairs.ids[2 * pair], pairs.ids[2 * pair + 1]);
             if (visit_pair<Law>(task, p, laws[pair], lubrication, s, *history, t, progress)) {
-                task.finished[progress.finished++] = {
-                    pair, s.start, s.end, s.max_overlap, s.impact_speed, s.rebound_speed, s.work};
+                task.finished[progress.finished++] = {pair,           s.start,         s.end, s.max_overlap,
+                                                      s.impact_speed, s.rebound_speed, s.work};
                 s = ContactState{};
             }
             if (s.overlap > task.overlap_limit * p.smaller_diameter) progress.failed = pair;
