@@ -15,7 +15,8 @@ struct ConstantForce {
     static Window window(const Parameters&, const Approach& a) {
         const double first = a.overlap - 0.5 * a.rate * a.h, last = a.overlap + 0.5 * a.rate * a.h;
         if (first <= 0 && last <= 0) return {0, 0, 0};
-        const double from = first < 0 ? -first / (a.rate * a.h) : 0, to = last < 0 ? -first / (a.rate * a.h) : 1;
+        const double from = first < 0 ? -first / (a.rate * a.h) : 0,
+                     to = last < 0 ? -first / (a.rate * a.h) : 1;
         return {from, to, first + 0.5 * a.rate * a.h * (from + to)};
     }
 

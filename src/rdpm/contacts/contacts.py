@@ -19,7 +19,7 @@ from .history import TOUCHING, History
 from .law import ContactLaw
 from .lubrication import Lubrication
 from .neighbours import Neighbours, gaps_and_rates
-from .pair_table import PairTable, body_kinds, pairs_of
+from .pair_table import KindParameters, PairTable, pairs_of
 from .rows import Rows
 
 __all__ = ["Contacts"]
@@ -93,7 +93,7 @@ class Contacts:
         self._lubrication_range = lubrication.largest_gap(0.5 * bodies.diameter) if lubrication and len(bodies) else 0.0
         if viscosity is None and lubrication:
             viscosity = lubrication.viscosity
-        self._episodes, self._kinds = Episodes(bodies, box, viscosity), body_kinds(bodies)
+        self._episodes, self._kinds = Episodes(bodies, box, viscosity), KindParameters(bodies, law)
         self._history = History(len(bodies), law.driver.history)
         self._table = self._table_of(np.empty((0, 2), np.int32))
 
@@ -155,7 +155,7 @@ class Contacts:
         return step
 
     def _table_of(self, ids: NDArray[np.int32]) -> PairTable:
-        return PairTable(ids, self.bodies, self._kinds, self.box, self.law, self.lubrication)
+        return PairTable(ids, self.bodies, self.box, self.law, self._kinds, self.lubrication)
 
     def _resolve(self, step: ContactStep, task: ContactTask) -> None:
         """Fill `step`; move the bodies of the task, carry and keep the history."""

@@ -51,7 +51,7 @@ class ContactStep:
     substeps: int = 0
 
 
-@dataclass(frozen=True)
+@dataclass
 class ContactTask:
     """One step of the bodies that have a pair.
 

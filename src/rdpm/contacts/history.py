@@ -56,6 +56,7 @@ class History:
         self.ids: NDArray[np.int32] = np.empty((0, 2), np.int32)
         self.states: Rows = np.empty(0, STATE)
         self.histories: Rows = np.empty(0, dtype)
+        self._table: PairTable | None = None  # whose rows are these
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -81,7 +82,9 @@ class History:
         ndarray of bool, (K,)
             Remembered pairs that the table does not have.
         """
-        table.state[:], table.history[:] = np.zeros((), table.state.dtype), np.zeros((), table.history.dtype)
+        if table is self._table:
+            return np.zeros(len(self), np.bool_)
+        table.state, table.history = (np.zeros(len(table), rows.dtype) for rows in (table.state, table.history))
         if not len(self):
             return np.zeros(0, np.bool_)
         have, want = self._keys(self.ids), self._keys(table.ids)
@@ -96,3 +99,4 @@ class History:
         """Replace what is remembered by the pairs of a table that are in contact."""
         touching = table.state["phase"] != APART
         self.ids, self.states, self.histories = table.ids[touching], table.state[touching], table.history[touching]
+        self._table = table

@@ -19,7 +19,7 @@ from .rows import Rows
 if TYPE_CHECKING:
     from .law import ContactLaw
 
-__all__ = ["PairTable", "body_kinds", "pairs_of"]
+__all__ = ["KindParameters", "PairTable", "pairs_of"]
 
 
 def pairs_of(bodies: Bodies, box: Box, ids: NDArray[np.int32]) -> Rows:
@@ -57,10 +57,54 @@ def pairs_of(bodies: Bodies, box: Box, ids: NDArray[np.int32]) -> Rows:
     return result
 
 
-def body_kinds(bodies: Bodies) -> NDArray[np.int64]:
-    """Number bodies of equal diameter and mass alike, (N,)."""
-    columns = np.column_stack([bodies.diameter, bodies.mass])
-    return np.unique(columns, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
+class KindParameters:
+    """Parameters by kind of pair: few kinds, many pairs, so the law is asked once a kind.
+
+    Two pairs are of one kind if their bodies are alike in diameter, mass and freedom to move, and walls in friction.
+
+    Parameters
+    ----------
+    bodies : Bodies
+        N spheres; their diameters and masses stay.
+    law : ContactLaw
+    """
+
+    def __init__(self, bodies: Bodies, law: ContactLaw) -> None:
+        self._bodies, self._law = bodies, law
+        alike = np.unique(np.column_stack([bodies.diameter, bodies.mass]), axis=0, return_inverse=True)[1]
+        self._alike: NDArray[np.int64] = alike.reshape(-1).astype(np.int64)
+        self._forget()
+
+    def _forget(self) -> None:
+        self._keys: NDArray[np.int64] = np.empty(0, np.int64)  # rising
+        self._rows: Rows = np.empty(0, self._law.driver.parameters)
+        self._times: NDArray[np.float64] = np.empty(0)
+
+    def of(self, ids: NDArray[np.int32], pairs: Rows) -> tuple[Rows, float]:
+        """Parameters of M >= 1 pairs, (M,), and their smallest time scale [s]."""
+        keys = self._keys_of(ids, pairs)
+        if len(self._keys) > 1000 + 4 * len(ids):
+            self._forget()
+        at = np.searchsorted(self._keys, keys)
+        unknown = np.append(self._keys, -1)[at] != keys
+        if unknown.any():
+            new, first = np.unique(keys[unknown], return_index=True)
+            examples = pairs[unknown][first]
+            self._keys = np.append(self._keys, new)
+            order = np.argsort(self._keys)
+            self._keys = self._keys[order]
+            self._rows = np.append(self._rows, self._law.parameters(examples))[order]
+            self._times = np.append(self._times, self._law.time_scale(examples))[order]
+            at = np.searchsorted(self._keys, keys)
+        return self._rows[at], float(self._times[at].min())
+
+    def _keys_of(self, ids: NDArray[np.int32], pairs: Rows) -> NDArray[np.int64]:
+        i, j = ids.T
+        wall = j < 0
+        body = 2 * self._alike + self._bodies.is_free
+        partner = np.where(wall, pairs["is_frictionless"], 2 + body[np.where(wall, i, j)])
+        keys: NDArray[np.int64] = body[i] * (2 * np.int64(len(self._bodies)) + 2) + partner
+        return keys
 
 
 class PairTable:
@@ -71,10 +115,9 @@ class PairTable:
     ids : ndarray of int32, (M, 2)
         Sorted by (i, j); j = -1..-6 for the faces of the box.
     bodies : Bodies
-    kinds : ndarray of int64, (N,)
-        From :func:`body_kinds`. Few kinds of pairs, many pairs: the law is asked once a kind.
     box : Box
     law : ContactLaw
+    kinds : KindParameters
     lubrication : Lubrication or None
 
     Attributes
@@ -95,35 +138,23 @@ class PairTable:
         self,
         ids: NDArray[np.int32],
         bodies: Bodies,
-        kinds: NDArray[np.int64],
         box: Box,
         law: ContactLaw,
+        kinds: KindParameters,
         lubrication: Lubrication | None,
     ) -> None:
         self.ids, self._motion = ids.copy(), bodies.motion.copy()
         self.pairs = pairs_of(bodies, box, ids)
         self.state, self.history = np.zeros(len(ids), STATE), np.zeros(len(ids), law.driver.history)
-        self.parameters, self.shortest = np.zeros(len(ids), law.driver.parameters), inf
-        self.lubrication = np.zeros(len(ids) if lubrication else 0, LUBRICATION)
+        self.parameters, self.shortest = np.zeros(0, law.driver.parameters), inf
+        self.lubrication = np.zeros(0, LUBRICATION)
         if not len(ids):
             return
-        first, kind = self._kinds(kinds, bodies)
-        few = self.pairs[first]
-        self.parameters[:] = law.parameters(few)[kind]
-        self.shortest = float(law.time_scale(few).min())
+        self.parameters, self.shortest = kinds.of(ids, self.pairs)
         if lubrication:
             radius, (i, j) = 0.5 * bodies.diameter, ids.T
-            self.lubrication[:] = lubrication.rows(radius[i], np.where(j < 0, inf, radius[np.where(j < 0, i, j)]))
+            self.lubrication = lubrication.rows(radius[i], np.where(j < 0, inf, radius[np.where(j < 0, i, j)]))
             self.lubrication[self.pairs["is_frictionless"]] = 0.0
-
-    def _kinds(self, kinds: NDArray[np.int64], bodies: Bodies) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """First pair of each kind, and the kind of each pair."""
-        i, j = self.ids.T
-        of_body = 2 * kinds + bodies.is_free
-        count = 2 * (int(kinds.max()) + 1)
-        partner = np.where(j < 0, self.pairs["is_frictionless"], 2 + of_body[np.where(j < 0, i, j)])
-        _, first, kind = np.unique(of_body[i] * (count + 2) + partner, return_index=True, return_inverse=True)
-        return first, kind
 
     def __len__(self) -> int:
         return len(self.ids)
