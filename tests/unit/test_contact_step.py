@@ -22,7 +22,7 @@ def sphere(place, velocity=(0.0, 0.0, 0.0), diameter=0.01, density=2500.0, **mor
 
 
 def advance(contacts, steps, force=0.0, dt=DT):
-    """Run steps under a held force, without torque; returns what each gave."""
+    """Run steps under a constant force, without torque; returns what each gave."""
     n = len(contacts.bodies)
     force = np.broadcast_to(force, (n, 3)).copy()
     return [contacts.advance(k * dt, dt, force, np.zeros((n, 3))) for k in range(steps)]
@@ -79,7 +79,7 @@ def test_impulse_is_the_change_of_momentum():
         b.moment_of_inertia[:, None] * (b.angular_velocity - spin), turned, rtol=1e-11, atol=1e-18
     )
     assert np.abs(turned).max() > 0.0
-    assert np.abs(given - contact).max() > 0.0   # the film's part
+    assert np.abs(given - contact).max() > 0.0   # the part of lubrication
 
 
 def test_prescribed_body_keeps_its_velocity_and_throws_the_other_back():
