@@ -66,7 +66,8 @@ def test_the_film_is_what_the_grid_misses(pair, reach):
     np.testing.assert_allclose(both[2:], reference[2:], rtol=0.10)  # the band of the published case at 16 cells
     assert np.all(resolved[3:] < 0.95 * reference[3:])  # there is something to add
     other = np.inf if pair == "wall" else 4.0
-    assert film_model(1.0, 1.0).reach(np.array([4.0]), np.array([other]))[0][0] == reach[0]  # 8 cells a diameter
+    row = film_model(1.0, 1.0).rows(np.array([4.0]), np.array([other]))  # 8 cells a diameter
+    assert row["cutoff_gap"][0] == reach[0]
 
 
 def test_a_chart_becomes_a_picture(tmp_path):
