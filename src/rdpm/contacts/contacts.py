@@ -131,6 +131,7 @@ class Contacts:
         """
         b = self.bodies
         n = len(b)
+        force, torque = np.ascontiguousarray(force), np.ascontiguousarray(torque)
         free = b.is_free
         inverse_mass = free / (b.mass if inertia is None else inertia)
         inverse_moment = free / (b.moment_of_inertia if moment is None else moment)
