@@ -1,4 +1,4 @@
-"""The film's coefficients against exact series, and bodies that move through it against quadrature."""
+"""Coefficients of lubrication against exact series, and bodies that approach through it against quadrature."""
 
 from pathlib import Path
 
@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from rdpm.contacts import Box, Contacts, Lubrication, SoftSphere
+from rdpm.contacts import Contacts, Lubrication, SoftSphere
+from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
 DATA = Path(__file__).parents[1] / "data"
 VISCOSITY, RADIUS = 0.1, 5e-3
-ROOM = Box((1.0, 1.0, 1.0), (False,) * 3, (True,) * 3)
+ROOM = Box((1.0, 1.0, 1.0))
 LAW = SoftSphere.from_contact_time(0.5, 8e-3)
 
 
@@ -19,7 +20,7 @@ def table(name):
     return np.genfromtxt(DATA / f"contact_{name}.csv", delimiter=",", names=True, skip_header=1)
 
 
-def film(cutoff, roughness=1e-5):
+def correction_model(cutoff, roughness=1e-5):
     return Lubrication(VISCOSITY, cutoff * RADIUS, roughness)
 
 
@@ -37,7 +38,7 @@ def exact_relative_resistance(kind):
 def test_correction_is_what_the_exact_series_adds_below_the_cutoff(kind):
     gap, exact = exact_relative_resistance(kind)
     cut = gap.max()
-    correction = film(cut).resistance(gap * RADIUS, RADIUS, np.inf if kind == "wall" else RADIUS)
+    correction = correction_model(cut).resistance(gap * RADIUS, RADIUS, np.inf if kind == "wall" else RADIUS)
     correction /= 6.0 * np.pi * VISCOSITY * RADIUS
     added = exact - exact[gap == cut]
     # What is left out is of order gap ln(1/gap): at most 0.06 at 0.2 a.
@@ -46,23 +47,23 @@ def test_correction_is_what_the_exact_series_adds_below_the_cutoff(kind):
     np.testing.assert_allclose(correction[near], added[near], rtol=3e-3)
 
 
-def test_unequal_spheres_feel_the_same_film_and_a_huge_one_is_a_wall():
+def test_unequal_spheres_feel_the_same_lubrication_and_a_huge_one_is_a_wall():
     gap = np.array([1e-3, 1e-2, 0.1]) * RADIUS
-    one = film(0.2).resistance(gap, RADIUS, 3.0 * RADIUS)
-    other = film(0.2).resistance(gap, 3.0 * RADIUS, RADIUS)
+    one = correction_model(0.2).resistance(gap, RADIUS, 3.0 * RADIUS)
+    other = correction_model(0.2).resistance(gap, 3.0 * RADIUS, RADIUS)
     np.testing.assert_allclose(one, other, rtol=1e-12)
     # The coefficients of 1/gap and ln(1/gap) differ from the wall's by two and three times a_i/a_j.
-    huge = film(0.2).resistance(gap, RADIUS, 1e6 * RADIUS)
-    np.testing.assert_allclose(huge, film(0.2).resistance(gap, RADIUS, np.inf), rtol=1e-5)
+    huge = correction_model(0.2).resistance(gap, RADIUS, 1e6 * RADIUS)
+    np.testing.assert_allclose(huge, correction_model(0.2).resistance(gap, RADIUS, np.inf), rtol=1e-5)
 
 
-def test_film_is_held_at_the_roughness_and_ends_at_contact():
+def test_lubrication_is_constant_below_the_roughness_and_ends_at_contact():
     gap = np.array([1e-3, 1e-4, 1e-9]) * RADIUS
-    at = film(0.2, roughness=1e-3).resistance(gap, RADIUS, np.inf)
-    assert np.all(film(0.2).resistance(np.array([0.0, -0.1]), RADIUS, np.inf) == 0.0)
+    at = correction_model(0.2, roughness=1e-3).resistance(gap, RADIUS, np.inf)
+    assert np.all(correction_model(0.2).resistance(np.array([0.0, -0.1]), RADIUS, np.inf) == 0.0)
     assert np.all(at == at[0])
     assert at[0] > 0.0
-    assert np.all(film(0.2).resistance(np.array([0.2, 1.0]) * RADIUS, RADIUS, np.inf) == 0.0)
+    assert np.all(correction_model(0.2).resistance(np.array([0.2, 1.0]) * RADIUS, RADIUS, np.inf) == 0.0)
 
 
 def ball(gap, velocity):
@@ -72,9 +73,9 @@ def ball(gap, velocity):
 
 
 @pytest.mark.parametrize("dt", [2e-4, 1e-3, 2e-3])
-def test_speed_lost_in_the_film_is_its_integral_over_the_gap(dt):
+def test_speed_lost_to_lubrication_is_its_integral_over_the_gap(dt):
     """Without other forces m dv = -lambda(g) dg: the speed depends on the gap alone."""
-    lubrication = film(0.2, roughness=1e-3)
+    lubrication = correction_model(0.2, roughness=1e-3)
     sphere = ball(0.19 * RADIUS, -0.03)
     contacts, none, time = Contacts(sphere, ROOM, LAW, lubrication), np.zeros((1, 3)), 0.0
     while sphere.position[0, 2] - RADIUS > 0.02 * RADIUS:
@@ -84,12 +85,12 @@ def test_speed_lost_in_the_film_is_its_integral_over_the_gap(dt):
     assert gap > 0.0
     resistance = lambda g: float(lubrication.resistance(np.array([g]), RADIUS, np.inf)[0])  # noqa: E731
     lost = quad(resistance, gap, 0.19 * RADIUS)[0] / sphere.mass[0]
-    assert 0.3 < lost / 0.03 < 0.9   # the film matters, the sphere still moves
+    assert 0.3 < lost / 0.03 < 0.9   # lubrication matters, the sphere still moves
     # First order in the sub-step, 1 % of a contact, in which the gap changes by little.
     assert 0.03 + sphere.velocity[0, 2] == pytest.approx(lost, rel=1e-2)
 
 
-def test_sinking_through_the_film_has_the_speed_of_its_balance():
+def test_sinking_through_a_narrow_gap_has_the_speed_of_its_balance():
     """At a gap where lambda h/m is 1e3, the speed is still F/lambda."""
     lubrication = Lubrication(1e3, 0.2 * RADIUS)
     gap = 2e-3 * RADIUS

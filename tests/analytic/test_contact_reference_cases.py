@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from rdpm.contacts import Box, Contacts, SoftSphere
+from rdpm.contacts import Contacts, SoftSphere
+from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
 DATA = Path(__file__).parents[1] / "data"
@@ -18,7 +19,7 @@ def table(name):
 
 
 def room(height, width=1.0):
-    return Box((width, width, height), (False,) * 3, (True,) * 3)
+    return Box((width, width, height))
 
 
 @pytest.mark.parametrize("row", table("falling_sphere"), ids=lambda r: f"k{r['kn_N_m']:g}-e{r['e_n']:g}")

@@ -8,7 +8,7 @@ import pytest
 import rdpm
 from rdpm.fluid import Fluid
 from rdpm.fluid.diffusion import explicit_limit
-from rdpm.grid import Grid
+from rdpm.grid import Box, Grid
 
 WAYS = [True, False]
 DIRECTIONS = [0, 1, 2]  # normal to the walls
@@ -23,7 +23,7 @@ def channel(normal: int, n: int, across: str, is_explicit: bool, viscosity: floa
     boundary[normal], boundary[third], cells[normal] = "wall", across, n
     wall_velocity = np.zeros((6, 3))
     wall_velocity[2 * normal + 1, along] = speed
-    grid = Grid(tuple(c / n for c in cells), tuple(cells), tuple(boundary), wall_velocity)
+    grid = Grid(Box(tuple(c / n for c in cells), tuple(boundary), wall_velocity), tuple(cells))
     fluid = Fluid(grid, 1.0, viscosity, is_explicit)
     fluid.set_velocity(0.0, 0.0, 0.0)
     return fluid
@@ -136,7 +136,7 @@ def test_body_force_and_pressure_gradient_drive_the_same_flow(drive) -> None:
 def test_free_slip_sides_leave_uniform_flow_alone(along: int, is_explicit: bool) -> None:
     boundary = ["free-slip"] * 3
     boundary[along] = "periodic"
-    fluid = Fluid(Grid((1.0, 1.0, 1.0), (6, 7, 8), tuple(boundary)), 1.0, 0.01, is_explicit)
+    fluid = Fluid(Grid(Box((1.0, 1.0, 1.0), tuple(boundary)), (6, 7, 8)), 1.0, 0.01, is_explicit)
     speed = [0.0, 0.0, 0.0]
     speed[along] = SPEED
     fluid.set_velocity(*speed)

@@ -7,7 +7,7 @@ import pytest
 
 from rdpm.fluid import Fluid
 from rdpm.fluid.diffusion import explicit_limit
-from rdpm.grid import Grid
+from rdpm.grid import Box, Grid
 
 PLANES = [(0, 1, 2), (1, 2, 0), (2, 0, 1)]  # directions of the vortex, and the one it does not depend on
 KINDS = [
@@ -71,7 +71,7 @@ def vortex_error(plane, kinds, n: int, is_explicit: bool, end: float = 0.2) -> f
     cells, size, boundary = [0] * 3, [0.0] * 3, [""] * 3
     for d, kind, count in zip(plane, kinds, (n, n, 4), strict=True):
         cells[d], size[d], boundary[d] = count, count / n, kind
-    grid = Grid(tuple(size), tuple(cells), tuple(boundary))
+    grid = Grid(Box(tuple(size), tuple(boundary)), tuple(cells))
     fluid = Fluid(grid, 1.0, VISCOSITY, is_explicit)
     fluid.set_velocity(*vortex(grid, plane, 0.0))
     # Steps that fall with the spacing (or its square): the order seen is that of space and time together.
@@ -99,7 +99,7 @@ def test_vortex_is_met_with_second_order(plane, kinds, is_explicit: bool) -> Non
 def test_vortex_is_second_order_in_time(kinds, is_explicit: bool) -> None:
     end, n = 0.4, 16
     cells = (n, n, 4)
-    grid = Grid((1.0, 1.0, 4.0 / n), cells, kinds)
+    grid = Grid(Box((1.0, 1.0, 4.0 / n), kinds), cells)
     viscosity = 0.005  # so that explicit diffusion allows the longest of the steps
 
     def run(steps: int) -> Fluid:
@@ -117,7 +117,7 @@ def test_vortex_is_second_order_in_time(kinds, is_explicit: bool) -> None:
 @pytest.mark.parametrize("is_explicit", WAYS)
 def test_steps_that_change_are_second_order_in_time(is_explicit: bool) -> None:
     end, n = 0.4, 16
-    grid = Grid((1.0, 1.0, 4.0 / n), (n, n, 4), KINDS[1])
+    grid = Grid(Box((1.0, 1.0, 4.0 / n), KINDS[1]), (n, n, 4))
 
     def run(steps: int) -> Fluid:
         fluid = Fluid(grid, 1.0, 0.005, is_explicit)
@@ -147,7 +147,7 @@ def enclosed_run(plane, n: int, is_explicit: bool, steps: int, end: float) -> Fl
     cells, size, boundary = [0] * 3, [0.0] * 3, [""] * 3
     for d, kind, count in zip(plane, ("wall", "wall", "periodic"), (n, n, 4), strict=True):
         cells[d], size[d], boundary[d] = count, count / n, kind
-    fluid = Fluid(Grid(tuple(size), tuple(cells), tuple(boundary)), 1.0, VISCOSITY, is_explicit)
+    fluid = Fluid(Grid(Box(tuple(size), tuple(boundary)), tuple(cells)), 1.0, VISCOSITY, is_explicit)
     fluid.set_velocity(*enclosed_vortex(fluid.grid, plane))
     advance(fluid, end / steps, steps)
     return fluid

@@ -8,15 +8,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rdpm import _core
-from rdpm.grid import BOUNDARIES, Grid
+from rdpm.conventions import BOUNDARY_KINDS
+from rdpm.grid import Box, Grid
 from rdpm.particles.calibration import CALIBRATION
 from rdpm.particles.markers import MarkerSet
 from rdpm.particles.seeding import marker_count, sphere_points
 from rdpm.particles.state import Bodies
 
 CELLS, SIZE = (7, 8, 9), (0.7, 0.96, 0.99)
-COMBINATIONS = list(itertools.product(BOUNDARIES, repeat=3))
-kinds = st.tuples(*[st.sampled_from(BOUNDARIES)] * 3)
+COMBINATIONS = list(itertools.product(BOUNDARY_KINDS, repeat=3))
+kinds = st.tuples(*[st.sampled_from(BOUNDARY_KINDS)] * 3)
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -50,7 +51,7 @@ def current(grid: Grid, field: list[np.ndarray]) -> list[np.ndarray]:
 def test_spread_is_the_adjoint_of_interpolate(boundary, seed: int, threads: int) -> None:
     """<J u, f> dV_m = <u, S f> dV_cell for any velocity that meets the boundaries, markers at walls included."""
     rng = np.random.default_rng(seed)
-    grid = Grid(SIZE, CELLS, boundary, threads=threads)
+    grid = Grid(Box(SIZE, boundary), CELLS, threads)
     position = points_in(grid, rng, 40)
     markers = markers_at(grid, position)
     u = current(grid, [rng.normal(size=grid.shape) for _ in range(3)])
@@ -68,11 +69,11 @@ def test_spread_is_the_adjoint_of_interpolate(boundary, seed: int, threads: int)
 @given(kinds, seeds)
 def test_spreading_does_not_depend_on_threads(boundary, seed: int) -> None:
     rng = np.random.default_rng(seed)
-    position = points_in(Grid(SIZE, CELLS), rng, 3000)  # enough for several threads to take part
+    position = points_in(Grid(Box(SIZE), CELLS), rng, 3000)  # enough for several threads to take part
     f, volume = rng.normal(size=(3000, 3)), rng.uniform(0.1, 1.0, 3000)
     found = []
     for threads in (1, 2, 3):
-        grid = Grid(SIZE, CELLS, boundary, threads=threads)
+        grid = Grid(Box(SIZE, boundary), CELLS, threads)
         spread = [grid.zeros() for _ in range(3)]
         markers_at(grid, position).spread(grid.core, *spread, f, volume, 1.0)
         found.append(np.stack(spread))
@@ -85,7 +86,7 @@ def test_spreading_does_not_depend_on_threads(boundary, seed: int) -> None:
 def test_linear_fields_are_interpolated_exactly_in_the_bulk(seed: int, constant, slopes) -> None:
     """Partition of unity and zero first moment of the delta."""
     rng = np.random.default_rng(seed)
-    grid = Grid(SIZE, CELLS)
+    grid = Grid(Box(SIZE), CELLS)
     # Away from sides by the reach of the delta, whose halos a linear field does not meet.
     margin = 2.0 * np.array(grid.spacing)
     position = margin + rng.uniform(size=(20, 3)) * (np.array(SIZE) - 2.0 * margin)
@@ -108,7 +109,7 @@ def test_shear_beside_a_moving_wall_is_interpolated_exactly(direction: int, side
     speed[2 * direction + side, along] = 0.6
     boundary = ["periodic"] * 3
     boundary[direction] = "wall"
-    grid = Grid(SIZE, CELLS, tuple(boundary), speed)
+    grid = Grid(Box(SIZE, tuple(boundary), speed), CELLS)
     wall = side * SIZE[direction]
     coordinate = grid.points("uvw"[along])[direction]
     shape = [1, 1, 1]
@@ -129,7 +130,7 @@ def test_uniform_flow_that_the_sides_allow_is_interpolated_exactly_up_to_them(bo
     allowed = [  # a wall stops all, free slip its normal component only
         all(kind == "periodic" or (kind == "free-slip" and d != c) for d, kind in enumerate(boundary)) for c in range(3)
     ]
-    grid = Grid(SIZE, CELLS, boundary)
+    grid = Grid(Box(SIZE, boundary), CELLS)
     field = current(grid, [np.full(grid.shape, s if ok else 0.0) for s, ok in zip(speed, allowed, strict=True)])
     position = points_in(grid, np.random.default_rng(2), 50)
     found = interpolate(grid, markers_at(grid, position), field)
@@ -140,7 +141,7 @@ def test_uniform_flow_that_the_sides_allow_is_interpolated_exactly_up_to_them(bo
 @given(seeds, st.tuples(*[st.floats(-2.0, 2.0)] * 3))
 def test_a_shift_over_a_periodic_side_changes_nothing(seed: int, shift) -> None:
     rng = np.random.default_rng(seed)
-    grid = Grid(SIZE, CELLS, ("periodic",) * 3)
+    grid = Grid(Box(SIZE, ("periodic",) * 3), CELLS)
     u = current(grid, [rng.normal(size=grid.shape) for _ in range(3)])
     position = points_in(grid, rng, 20)
     there = position + np.round(shift) * np.array(SIZE)
@@ -180,7 +181,7 @@ def test_a_count_without_symmetry_is_refused(count: int) -> None:
 
 
 def test_marker_layer_is_one_cell_thick_and_turns_with_the_body() -> None:
-    grid = Grid((1.0, 1.0, 1.0), (20, 20, 20))
+    grid = Grid(Box((1.0, 1.0, 1.0)), (20, 20, 20))
     bodies = Bodies([0.4], [1000.0], [[0.5, 0.5, 0.5]])
     markers = MarkerSet(bodies, grid)
     bodies.orientation[0] = np.array([1.0, 0.0, 0.0, 1.0]) / np.sqrt(2.0)  # a quarter turn about z
@@ -207,7 +208,7 @@ def test_many_bodies_give_what_each_gives_alone(boundary, seed: int) -> None:
     centres = np.where([kind == "periodic" for kind in boundary], anywhere, inside)
     found = []
     for threads in (1, 2, 3):
-        grid = Grid(size, cells, boundary, threads=threads)
+        grid = Grid(Box(size, boundary), cells, threads)
         bodies = Bodies(diameter, np.full(count, 1000.0), centres)
         markers = MarkerSet(bodies, grid)
         assert len(markers) > 2048  # or one thread would do it all
@@ -239,7 +240,7 @@ def test_many_bodies_give_what_each_gives_alone(boundary, seed: int) -> None:
 
 def test_markers_close_to_another_surface_are_excluded() -> None:
     h = 0.05
-    grid = Grid((1.0, 1.0, 1.0), (20, 20, 20), ("wall", "periodic", "wall"))
+    grid = Grid(Box((1.0, 1.0, 1.0), ("wall", "periodic", "wall")), (20, 20, 20))
     bodies = Bodies([0.3, 0.3], [1000.0] * 2, [[0.12, 0.02, 0.5], [0.36, 0.98, 0.5]])  # neighbours across the seam
     markers = MarkerSet(bodies, grid)
     markers.place(bodies.position, bodies.orientation)
@@ -259,7 +260,7 @@ def test_markers_close_to_another_surface_are_excluded() -> None:
 
 
 def test_layer_matrix_is_the_sums_of_a_rigid_motion() -> None:
-    grid = Grid((1.0, 1.0, 1.0), (20, 20, 20), ("wall", "wall", "wall"))
+    grid = Grid(Box((1.0, 1.0, 1.0)), (20, 20, 20))
     bodies = Bodies([0.3, 0.4], [1000.0] * 2, [[0.16, 0.5, 0.5], [0.53, 0.5, 0.5]])
     markers = MarkerSet(bodies, grid)
     markers.place(bodies.position, bodies.orientation)

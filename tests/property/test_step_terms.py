@@ -7,7 +7,7 @@ from test_coupling_contact import collision
 import rdpm
 from rdpm.coupling import step
 from rdpm.fluid import Fluid
-from rdpm.grid import Grid
+from rdpm.grid import Box, Grid
 
 
 def rebound_speed(monkeypatch: pytest.MonkeyPatch, iterations: int | None) -> float:
@@ -64,7 +64,7 @@ def test_lagged_force_of_a_variable_step_acts_where_the_body_is_at_half_of_it(st
 
 def test_pressure_gains_the_rotational_part_where_diffusion_is_by_stages() -> None:
     """p' = p + phi - nu/2 div u*, with phi of the same projection in a fluid of explicit diffusion."""
-    grid, dt, nu = Grid((1.0, 1.1, 0.9), (10, 11, 12), ("wall", "periodic", "free-slip")), 0.01, 0.3
+    grid, dt, nu = Grid(Box((1.0, 1.1, 0.9), ("wall", "periodic", "free-slip")), (10, 11, 12)), 0.01, 0.3
     explicit, stages = Fluid(grid, 1.0, nu, True), Fluid(grid, 1.0, nu, False)
     rng = np.random.default_rng(5)
     flow = [rng.normal(size=grid.shape) for _ in range(3)]

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from rdpm.contacts import Box, Contacts, Lubrication, SoftSphere
+from rdpm.contacts import Contacts, Lubrication, SoftSphere
 from rdpm.errors import CaseError, OverlapError
+from rdpm.grid import Box
 from rdpm.particles.state import FREE, PRESCRIBED, Bodies
 
-WALLED = Box((0.1, 0.1, 0.1), (False,) * 3, (True,) * 3)
-PERIODIC = Box((0.1, 0.1, 0.1), (True,) * 3, (False,) * 3)
+WALLED = Box((0.1, 0.1, 0.1))
+PERIODIC = Box((0.1, 0.1, 0.1), ("periodic",) * 3)
 LAW = SoftSphere.from_contact_time(0.8, 8e-3)
 DT = 1e-3
 
@@ -21,7 +22,7 @@ def sphere(place, velocity=(0.0, 0.0, 0.0), diameter=0.01, density=2500.0, **mor
 
 
 def advance(contacts, steps, force=0.0, dt=DT):
-    """Run steps under a held force, without torque; returns what each gave."""
+    """Run steps under a constant force, without torque; returns what each gave."""
     n = len(contacts.bodies)
     force = np.broadcast_to(force, (n, 3)).copy()
     return [contacts.advance(k * dt, dt, force, np.zeros((n, 3))) for k in range(steps)]
@@ -78,7 +79,7 @@ def test_impulse_is_the_change_of_momentum():
         b.moment_of_inertia[:, None] * (b.angular_velocity - spin), turned, rtol=1e-11, atol=1e-18
     )
     assert np.abs(turned).max() > 0.0
-    assert np.abs(given - contact).max() > 0.0   # the film's part
+    assert np.abs(given - contact).max() > 0.0   # the part of lubrication
 
 
 def test_prescribed_body_keeps_its_velocity_and_throws_the_other_back():
@@ -107,7 +108,7 @@ def test_inertia_given_instead_of_the_mass_moves_the_body():
 def test_moving_wall_drags_the_sphere_that_rests_on_it():
     wall = np.zeros((6, 3))
     wall[4, 0] = 0.02
-    box = Box((1.0, 0.1, 0.1), (True, False, False), (False, True, True), wall)
+    box = Box((1.0, 0.1, 0.1), ("periodic", "wall", "wall"), wall)
     b = sphere([0.5, 0.05, 0.005])
     contacts = Contacts(b, box, SoftSphere.from_contact_time(0.5, 8e-3, friction=0.5))
     advance(contacts, 200, -9.81 * b.mass[:, None] * [[0.0, 0.0, 1.0]])
@@ -116,8 +117,8 @@ def test_moving_wall_drags_the_sphere_that_rests_on_it():
     assert b.angular_velocity[0, 1] * -0.005 == pytest.approx(0.02 * 5 / 7, rel=0.02)
 
 
-def test_free_slip_side_holds_without_friction_or_film():
-    box = Box((0.1, 0.1, 0.1), (False,) * 3, (True, True, False))
+def test_free_slip_face_acts_without_friction_or_lubrication():
+    box = Box((0.1, 0.1, 0.1), ("wall", "wall", "free-slip"))
     b = sphere([0.05, 0.05, 0.0052], [0.1, 0.0, -0.1])
     law = SoftSphere.from_contact_time(0.8, 8e-3, friction=0.5)
     advance(Contacts(b, box, law, Lubrication(0.1, 1e-3)), 14)
@@ -167,7 +168,7 @@ def test_one_long_step_records_every_bounce():
     """The loop hands over when its list of finished contacts may overflow, and goes on where it stood."""
     gap, speed, t_c, dt = 1e-4, 1.0, 1e-5, 0.02
     b = sphere([0.05, 0.05, 0.005 + 0.5 * gap], [0.0, 0.0, speed])
-    box = Box((0.1, 0.1, 0.01 + gap), (False,) * 3, (True,) * 3)
+    box = Box((0.1, 0.1, 0.01 + gap))
     contacts = Contacts(b, box, SoftSphere.from_contact_time(1.0, t_c))
     contacts.advance(0.0, dt, np.zeros((1, 3)), np.zeros((1, 3)))
     rows = contacts.take_episodes()
@@ -179,9 +180,9 @@ def test_one_long_step_records_every_bounce():
 @pytest.mark.parametrize(
     ("make", "parts"),
     [
-        (lambda: Box((0.1, 0.0, 0.1), (False,) * 3, (True,) * 3), ("domain.size[1] = 0.0", "above 0")),
-        (lambda: Box((0.1,) * 3, (True,) * 3, (True,) * 3), ("domain.boundary.x", "periodic and walled")),
-        (lambda: Box((0.1,) * 3, (False,) * 3, (True,) * 3, np.ones((6, 3))), ("velocity.x_lower",)),
+        (lambda: Box((0.1, 0.0, 0.1)), ("box size[1] = 0.0", "above 0")),
+        (lambda: Box((0.1,) * 3, ("wall", "slip", "wall")), ("box kinds[1] = slip", "free-slip")),
+        (lambda: Box((0.1,) * 3, ("wall",) * 3, np.ones((6, 3))), ("wall_velocity of x_lower = 1.0",)),
         (lambda: SoftSphere.from_stiffness(1.0), ("damping or restitution",)),
         (lambda: SoftSphere.from_stiffness(1.0, 0.1, 0.5), ("damping or restitution",)),
         (lambda: SoftSphere.from_stiffness(-1.0, 0.1), ("stiffness = -1",)),
@@ -204,16 +205,15 @@ def test_wrong_arguments_are_refused_with_name_value_and_rule(make, parts):
 
 def test_laws_of_different_ways_agree():
     mass, diameter = np.array([1e-3]), np.array([0.01])
-    by_time = SoftSphere.from_contact_time(0.6, 5e-3).parameters(mass, diameter)
-    k_n, eta_n = float(by_time.normal_stiffness[0]), float(by_time.normal_damping[0])
+    (k_n,), (eta_n,) = (values.tolist() for values in SoftSphere.from_contact_time(0.6, 5e-3).normal(mass, diameter))
     for law in (SoftSphere.from_stiffness(k_n, eta_n), SoftSphere.from_stiffness(k_n, restitution=0.6)):
-        assert law.parameters(mass, diameter).normal_damping[0] == pytest.approx(eta_n, rel=1e-9)
-        assert law.time_scale(mass, diameter)[0] == pytest.approx(5e-3, rel=1e-9)
+        assert law.normal(mass, diameter)[1][0] == pytest.approx(eta_n, rel=1e-9)
+        assert law.resolved_time(mass, diameter)[0] == pytest.approx(5e-3, rel=1e-9)
     by_overlap = SoftSphere.from_overlap(0.01, 0.1, 0.6)
-    soft = by_overlap.parameters(mass, diameter)
+    soft_k_n, soft_eta_n = by_overlap.normal(mass, diameter)
     from rdpm.design.soft_sphere import peak_overlap
 
-    assert peak_overlap(1e-3, soft.normal_stiffness[0], soft.normal_damping[0], 0.1) == pytest.approx(1e-4)
+    assert peak_overlap(1e-3, soft_k_n[0], soft_eta_n[0], 0.1) == pytest.approx(1e-4)
 
 
 def test_pair_taken_apart_from_outside_ends_its_contact():

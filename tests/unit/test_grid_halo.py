@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rdpm import _core
-from rdpm.grid import Grid, choose_cells
+from rdpm.grid import Box, Grid, choose_cells
 from rdpm.grid.grid import SPACING_TOLERANCE, smooth_counts
 
 CELLS = (5, 6, 7)
@@ -29,7 +29,7 @@ def along(field: np.ndarray, direction: int) -> np.ndarray:
 @pytest.mark.parametrize("direction", [0, 1, 2])
 @pytest.mark.parametrize("location", [0, 1, 2, 3])
 def test_periodic_halo_repeats_the_other_end(direction: int, location: int) -> None:
-    q = along(filled(Grid((1.0, 1.0, 1.0), CELLS, ("periodic",) * 3), location), direction)
+    q = along(filled(Grid(Box((1.0, 1.0, 1.0), ("periodic",) * 3), CELLS), location), direction)
     np.testing.assert_array_equal(q[0], q[-2])
     np.testing.assert_array_equal(q[-1], q[1])
 
@@ -37,7 +37,7 @@ def test_periodic_halo_repeats_the_other_end(direction: int, location: int) -> N
 @pytest.mark.parametrize("kind", ["wall", "free-slip"])
 @pytest.mark.parametrize("direction", [0, 1, 2])
 def test_normal_velocity_is_zero_on_a_side_and_odd_about_it(direction: int, kind: str) -> None:
-    q = along(filled(Grid((1.0, 1.0, 1.0), CELLS, (kind,) * 3), direction), direction)
+    q = along(filled(Grid(Box((1.0, 1.0, 1.0), (kind,) * 3), CELLS), direction), direction)
     assert not q[0].any()
     assert not q[-2].any()
     np.testing.assert_array_equal(q[-1], -q[-3])
@@ -54,17 +54,17 @@ def test_tangential_velocity_meets_the_side(direction: int, component: int) -> N
     def pair(kind: str) -> list[str]:
         return [kind if d == direction else "periodic" for d in range(3)]
 
-    wall = along(filled(Grid((1.0, 1.0, 1.0), CELLS, tuple(pair("wall")), speed), component), direction)
+    wall = along(filled(Grid(Box((1.0, 1.0, 1.0), tuple(pair("wall")), speed), CELLS), component), direction)
     # The mean of halo and inner value is the wall's speed; one rounding of a sum of order one.
     np.testing.assert_allclose(0.5 * (wall[0] + wall[1]), 0.3, atol=1e-15)
     np.testing.assert_allclose(0.5 * (wall[-1] + wall[-2]), -0.7, atol=1e-15)
-    slip = along(filled(Grid((1.0, 1.0, 1.0), CELLS, tuple(pair("free-slip"))), component), direction)
+    slip = along(filled(Grid(Box((1.0, 1.0, 1.0), tuple(pair("free-slip"))), CELLS), component), direction)
     np.testing.assert_array_equal(slip[0], slip[1])
     np.testing.assert_array_equal(slip[-1], slip[-2])
 
 
 def test_points_are_faces_and_centres() -> None:
-    grid = Grid((1.0, 1.2, 1.4), CELLS)
+    grid = Grid(Box((1.0, 1.2, 1.4)), CELLS)
     x, y, z = grid.points("u")
     assert x[0] == 0.0
     assert x[5] == pytest.approx(1.0)
@@ -100,7 +100,7 @@ def test_kernels_refuse_a_grid_they_cannot_use(cells, spacing, boundary, threads
 
 
 def test_kernels_name_the_array_of_a_wrong_shape() -> None:
-    grid = Grid((1.0, 1.0, 1.0), CELLS)
+    grid = Grid(Box((1.0, 1.0, 1.0)), CELLS)
     good, bad = grid.zeros(), np.zeros((2, 2, 2))
     with pytest.raises((ValueError, TypeError), match="velocity v"):
         _core.largest_divergence(grid.core, good, bad, good)

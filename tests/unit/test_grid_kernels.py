@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from rdpm import _core
+from rdpm.conventions import BOUNDARY_KINDS
 from rdpm.fluid import Fluid
 from rdpm.fluid.diffusion import explicit_limit
-from rdpm.grid import BOUNDARIES, Grid
+from rdpm.grid import Box, Grid
 
-COMBINATIONS = list(itertools.product(BOUNDARIES, repeat=3))
+COMBINATIONS = list(itertools.product(BOUNDARY_KINDS, repeat=3))
 
 
 def random_flow(grid: Grid, is_explicit: bool, viscosity: float = 0.01) -> Fluid:
@@ -59,7 +60,7 @@ def test_wavefront_of_stages_is_the_scheme(boundary, stages: int) -> None:
     for side in range(6):
         for component in range(3):
             speed[side, component] = 1e-9 * (side + component) if component != side // 2 else 0.0
-    grid = Grid((0.5, 0.6, 0.7), (5, 6, 7), boundary, speed, threads=2)
+    grid = Grid(Box((0.5, 0.6, 0.7), boundary, speed), (5, 6, 7), threads=2)
     # Velocities of order 1e-9: advection is some 1e-18, far below round-off of what is compared.
     fluid = random_flow(grid, False)
     fluid.set_velocity(*(1e-9 * q for q in fluid.velocity))
@@ -73,7 +74,7 @@ def test_wavefront_of_stages_is_the_scheme(boundary, stages: int) -> None:
 
 
 def test_more_stages_than_planes_wrap_around() -> None:
-    grid = Grid((1.0, 1.0, 0.5), (8, 8, 4), ("wall", "periodic", "periodic"))
+    grid = Grid(Box((1.0, 1.0, 0.5), ("wall", "periodic", "periodic")), (8, 8, 4))
     q, rate = grid.zeros(), grid.zeros()
     rate[1:-1, 1:-1, 1:-1] = np.sin(np.arange(8.0))
     scratch = np.zeros(3 * 13 * q[0].size)
@@ -87,7 +88,7 @@ def test_more_stages_than_planes_wrap_around() -> None:
 def test_steps_are_bit_identical_on_one_two_and_three_threads(boundary, is_explicit: bool) -> None:
     found = []
     for threads in (1, 2, 3):
-        fluid = random_flow(Grid((1.0, 1.1, 0.9), (8, 10, 9), boundary, threads=threads), is_explicit)
+        fluid = random_flow(Grid(Box((1.0, 1.1, 0.9), boundary), (8, 10, 9), threads), is_explicit)
         dt = 0.01 if is_explicit else 0.3
         for _ in range(3):
             fluid.predict(dt, (0.1, 0.2, 0.3))
@@ -101,7 +102,7 @@ def test_steps_are_bit_identical_on_one_two_and_three_threads(boundary, is_expli
 @pytest.mark.parametrize("is_explicit", [True, False])
 @pytest.mark.parametrize("boundary", COMBINATIONS)
 def test_divergence_is_round_off_and_measures_are_those_of_the_flow(boundary, is_explicit: bool) -> None:
-    fluid = random_flow(Grid((1.0, 1.1, 0.9), (8, 10, 9), boundary), is_explicit)
+    fluid = random_flow(Grid(Box((1.0, 1.1, 0.9), boundary), (8, 10, 9)), is_explicit)
     for _ in range(3):
         fluid.predict(0.01, (0.1, 0.2, 0.3))
         fluid.project(0.01)
@@ -127,7 +128,7 @@ def test_divergence_is_round_off_and_measures_are_those_of_the_flow(boundary, is
 
 def test_prediction_is_that_of_a_slow_loop() -> None:
     """One explicit step of a periodic box, advection in conservative form, written with rolled arrays."""
-    grid = Grid((1.0, 1.2, 0.8), (6, 7, 8), ("periodic",) * 3)
+    grid = Grid(Box((1.0, 1.2, 0.8), ("periodic",) * 3), (6, 7, 8))
     fluid = random_flow(grid, True, viscosity=0.02)
     rng = np.random.default_rng(5)
     fluid.p[...] = rng.normal(size=grid.shape)
@@ -164,7 +165,7 @@ def test_prediction_is_that_of_a_slow_loop() -> None:
 @pytest.mark.parametrize("is_explicit", [True, False])
 def test_energy_never_grows_without_forcing(is_explicit: bool) -> None:
     for boundary in (("periodic",) * 3, ("wall",) * 3, ("free-slip",) * 3, ("wall", "periodic", "free-slip")):
-        fluid = random_flow(Grid((1.0, 1.0, 1.0), (10, 10, 10), boundary), is_explicit, viscosity=0.02)
+        fluid = random_flow(Grid(Box((1.0, 1.0, 1.0), boundary), (10, 10, 10)), is_explicit, viscosity=0.02)
         dt = 0.4 / fluid.cfl_rate
         if is_explicit:
             dt = min(dt, explicit_limit(fluid.grid.spacing, 0.02))
@@ -178,7 +179,7 @@ def test_energy_never_grows_without_forcing(is_explicit: bool) -> None:
 
 @pytest.mark.parametrize("is_explicit", [True, False])
 def test_momentum_is_kept_in_a_periodic_box_and_driven_by_a_force(is_explicit: bool) -> None:
-    fluid = random_flow(Grid((1.0, 1.0, 1.0), (8, 9, 10), ("periodic",) * 3), is_explicit)
+    fluid = random_flow(Grid(Box((1.0, 1.0, 1.0), ("periodic",) * 3), (8, 9, 10)), is_explicit)
     inner = (slice(1, -1),) * 3
     start = np.array([q[inner].mean() for q in fluid.velocity])
     force, dt, steps = (0.4, -0.3, 0.2), 0.005, 40

@@ -7,9 +7,10 @@ import pytest
 import scipy.fft
 
 from rdpm import _core
-from rdpm.grid import BOUNDARIES, Grid
+from rdpm.conventions import BOUNDARY_KINDS
+from rdpm.grid import Box, Grid
 
-COMBINATIONS = list(itertools.product(BOUNDARIES, repeat=3))
+COMBINATIONS = list(itertools.product(BOUNDARY_KINDS, repeat=3))
 CELLS = (6, 5, 7)
 SIZE = (1.0, 0.7, 1.3)
 
@@ -43,7 +44,7 @@ def balanced(grid: Grid) -> np.ndarray:
 
 @pytest.mark.parametrize("boundary", COMBINATIONS)
 def test_solution_is_that_of_a_dense_solve(boundary) -> None:
-    grid = Grid(SIZE, CELLS, boundary)
+    grid = Grid(Box(SIZE, boundary), CELLS)
     rhs = balanced(grid)
     lx, ly, lz = (
         second_difference(n, h, p) for n, h, p in zip(CELLS, grid.spacing, grid.is_periodic, strict=True)
@@ -86,7 +87,7 @@ def by_scipy(grid: Grid, rhs: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("boundary", list(itertools.product(("periodic", "wall"), repeat=3)))
 @pytest.mark.parametrize("cells", [(24, 30, 40), (32, 18, 25)])
 def test_solution_is_that_of_scipy_on_a_larger_grid(boundary, cells) -> None:
-    grid = Grid((1.0, 2.0, 1.5), cells, boundary)
+    grid = Grid(Box((1.0, 2.0, 1.5), boundary), cells)
     rhs = balanced(grid)
     found, oracle = solve(grid, rhs), by_scipy(grid, rhs)
     found -= found.mean()
@@ -97,7 +98,7 @@ def test_solution_is_that_of_scipy_on_a_larger_grid(boundary, cells) -> None:
 @pytest.mark.parametrize("boundary", COMBINATIONS)
 def test_solution_is_bit_identical_on_one_two_and_three_threads(boundary) -> None:
     cells = (8, 9, 11)
-    one, two, three = (Grid(SIZE, cells, boundary, threads=threads) for threads in (1, 2, 3))
+    one, two, three = (Grid(Box(SIZE, boundary), cells, threads) for threads in (1, 2, 3))
     rhs = balanced(one)
     expected = solve(one, rhs)
     np.testing.assert_array_equal(solve(two, rhs), expected)
@@ -106,7 +107,7 @@ def test_solution_is_bit_identical_on_one_two_and_three_threads(boundary) -> Non
 
 def test_long_waves_are_solved_on_a_long_box() -> None:
     """The slowest decaying mode, whose factors never reach their limit."""
-    grid = Grid((1.0, 1.0, 64.0), (4, 4, 256), ("wall", "wall", "periodic"))
+    grid = Grid(Box((1.0, 1.0, 64.0), ("wall", "wall", "periodic")), (4, 4, 256))
     z = grid.points("p")[2][1:-1]
     rhs = np.broadcast_to(np.cos(2.0 * np.pi * z / 64.0)[:, None, None], (256, 4, 4))
     h = grid.spacing[2]

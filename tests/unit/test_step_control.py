@@ -6,8 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rdpm
-from rdpm.contacts import Box, Contacts, SoftSphere
+from rdpm.contacts import Contacts, SoftSphere
 from rdpm.errors import CaseError
+from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 from rdpm.setup import plan
 from rdpm.simulation.step_control import GROWTH, PARTS, StepControl
@@ -87,7 +88,7 @@ def test_steps_are_long_alone_and_short_before_and_in_an_impact() -> None:
 def test_a_loaded_spring_counts_as_fast() -> None:
     """At the turn of an impact nothing moves."""
     ball = Bodies(np.array([0.01]), np.array([2500.0]), np.array([[0.05, 0.05, 0.0049]]))
-    box = Box((0.1, 0.1, 0.1), (False,) * 3, (True,) * 3)
+    box = Box((0.1, 0.1, 0.1))
     law = SoftSphere.from_contact_time(restitution=1.0, contact_time=1e-3)
     speeds = Contacts(ball, box, law).gap_speeds(0.001)
     assert speeds is not None

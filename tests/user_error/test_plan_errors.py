@@ -77,7 +77,8 @@ def test_step_between_the_share_and_the_whole_of_a_cell_is_taken() -> None:
     ],
 )
 def test_a_step_above_the_contact_limit_is_refused_and_an_automatic_one_has_four_a_contact(way) -> None:
-    with pytest.raises(CaseError, match=r"^time\.step = 0\.005 s: must be at most .* s \(the shortest contact") as error:
+    rule = r"^time\.step = 0\.005 s: must be at most .* s \(the shortest contact"
+    with pytest.raises(CaseError, match=rule) as error:
         plan(case(contact=way, time__step=5e-3))
     assert str(error.value).endswith('needs 4 steps). Lower it, use "auto", or give a softer contact.')
     found = plan(case(contact=way))

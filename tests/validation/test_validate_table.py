@@ -70,8 +70,8 @@ def test_lubrication_is_what_the_grid_misses(pair, activation):
     np.testing.assert_allclose(both[2:], reference[2:], rtol=0.10)  # the band of the published case at 16 cells
     assert np.all(resolved[3:] < 0.95 * reference[3:])  # there is something to add
     other = np.inf if pair == "wall" else 4.0
-    model = lubrication_correction(1.0, 1.0)
-    assert model.reach(np.array([4.0]), np.array([other]))[0][0] == activation  # 8 cells a diameter
+    row = lubrication_correction(1.0, 1.0).rows(np.array([4.0]), np.array([other]))
+    assert row["cutoff_gap"][0] == activation  # 8 cells a diameter
 
 
 def test_a_chart_becomes_a_picture(tmp_path):

@@ -9,6 +9,7 @@ from pydantic import StrictBool, model_validator
 from rdpm.config.declared import Choice, LeftOut, Quantity, Whole
 from rdpm.config.fields import Model
 from rdpm.config.rule import RuleError, listed
+from rdpm.conventions import OVERLAP_WARNING
 
 __all__ = ["DEFAULT_CONTACT", "Contact"]
 
@@ -88,7 +89,7 @@ class Contact(Model):
     poisson_ratio: Annotated[float | None, Quantity("", ge=0.0, le=0.5)] = None
     lubrication: Annotated[StrictBool, LeftOut("true with a fluid")] = True
     lubrication_roughness: Annotated[float, Quantity("", gt=0.0, le=0.1)] = 1e-3
-    overlap_warning: Annotated[float, Quantity("", gt=0.0, le=0.05)] = 0.005
+    overlap_warning: Annotated[float, Quantity("", gt=0.0, le=0.05)] = OVERLAP_WARNING
     overlap_limit: Annotated[float, Quantity("", gt=0.0, le=0.5)] = 0.2
     substeps: Annotated[int | None, Whole(1, 100_000), LeftOut("chosen from the contact time")] = None
 

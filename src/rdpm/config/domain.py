@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, get_args
+from typing import Annotated
 
 from pydantic import StrictBool, model_validator
 
 from rdpm.config.declared import Choice, Components, LeftOut, Quantity
 from rdpm.config.fields import Model, Vector
 from rdpm.config.rule import RuleError
+from rdpm.conventions import BOUNDARY_KINDS, FACES, BoundaryKind
 
-__all__ = ["SIDES", "Boundary", "Domain", "Fluid", "WallVelocity"]
+__all__ = ["Boundary", "Domain", "Fluid", "WallVelocity"]
 
-#: Faces of the box, in the order of everything that has one entry a face.
-SIDES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
-
-Kind = Literal["wall", "periodic", "free-slip"]
-_KIND = Choice(get_args(Kind))
+_KIND = Choice(BOUNDARY_KINDS)
 _SPEED = Components(Quantity("m/s"))
 _ACCELERATION = Components(Quantity("m/s^2"))
 
@@ -30,9 +27,9 @@ class Boundary(Model):
         A wall has no slip.
     """
 
-    x: Annotated[Kind, _KIND] = "wall"
-    y: Annotated[Kind, _KIND] = "wall"
-    z: Annotated[Kind, _KIND] = "wall"
+    x: Annotated[BoundaryKind, _KIND] = "wall"
+    y: Annotated[BoundaryKind, _KIND] = "wall"
+    z: Annotated[BoundaryKind, _KIND] = "wall"
 
 
 class WallVelocity(Model):
@@ -73,7 +70,7 @@ class Domain(Model):
     wall_velocity: WallVelocity = WallVelocity()
 
     @property
-    def kinds(self) -> tuple[Kind, Kind, Kind]:
+    def kinds(self) -> tuple[BoundaryKind, BoundaryKind, BoundaryKind]:
         """Boundaries along x, y, z."""
         return self.boundary.x, self.boundary.y, self.boundary.z
 
@@ -85,12 +82,12 @@ class Domain(Model):
 
     @property
     def wall_velocities(self) -> tuple[Vector, ...]:
-        """Velocity [m/s] of each face, in the order of `SIDES`; zero where none is given."""
-        return tuple(getattr(self.wall_velocity, face) or (0.0, 0.0, 0.0) for face in SIDES)
+        """Velocity [m/s] of each face, in the order of `FACES`; zero where none is given."""
+        return tuple(getattr(self.wall_velocity, face) or (0.0, 0.0, 0.0) for face in FACES)
 
     @model_validator(mode="after")
     def _walls_slide(self) -> Domain:
-        for n, face in enumerate(SIDES):
+        for n, face in enumerate(FACES):
             velocity = getattr(self.wall_velocity, face)
             if velocity is None:
                 continue

@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm import design
+from rdpm import _core, design
+from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
-__all__ = ["EPISODE", "FINISHED_COLUMNS", "Episodes"]
+from .pair_table import pairs_of
+from .rows import Rows, check_layout
+
+__all__ = ["EPISODE", "FINISHED", "Episodes"]
 
 Floats = NDArray[np.float64]
 
@@ -24,7 +28,7 @@ EPISODE = np.dtype(
 )  # fmt: skip
 r"""A contact.
 
-``i``, ``j`` (-1..-6: a side of the box), ``kind`` ("sphere-sphere" or "sphere-wall"); ``start_s`` of the
+``i``, ``j`` (-1..-6: a face of the box), ``kind`` ("sphere-sphere" or "sphere-wall"); ``start_s`` of the
 touch; ``duration_s`` from the touch until the force vanished for the last time before the surfaces parted;
 ``steps``, that over the time step; ``max_overlap_fraction`` of the smaller diameter; normal speeds of
 approach at the touch and of rebound at the end; ``restitution``, their ratio (nan where the bodies did not
@@ -35,8 +39,15 @@ meet with a speed, or were still in touch); ``stokes_number``
 friction included.
 """
 
-# The kernel's struct (substeps.hpp), a column a member.
-FINISHED_COLUMNS = ("pair", "start", "end", "max_overlap", "impact_speed", "rebound_speed", "work")
+FINISHED = np.dtype(
+    [("pair", np.int64)]
+    + [
+        (name, np.float64)
+        for name in ("start", "end", "max_overlap", "impact_speed", "rebound_speed", "work")
+    ]
+)
+"""A finished contact as the driver gives it; ``pair``: row of its table, the rest as in the contact's state."""
+check_layout(FINISHED, _core.contact_layouts()["finished"], "finished contacts")
 
 
 class Episodes:
@@ -45,51 +56,49 @@ class Episodes:
     Parameters
     ----------
     bodies : Bodies
+    box : Box
     viscosity : float or None, [Pa s]
         Of the fluid; None: dry.
     """
 
-    def __init__(self, bodies: Bodies, viscosity: float | None) -> None:
-        self._bodies, self._viscosity = bodies, viscosity
-        self.rows: NDArray[np.void] = np.empty(0, EPISODE)
+    def __init__(self, bodies: Bodies, box: Box, viscosity: float | None) -> None:
+        self._bodies, self._box, self._viscosity = bodies, box, viscosity
+        self.rows: Rows = np.empty(0, EPISODE)
 
-    def add(self, pairs: NDArray[np.int32], finished: Floats, dt: float) -> None:
+    def add(self, ids: NDArray[np.int32], finished: Rows, dt: float) -> None:
         """Record contacts.
 
         Parameters
         ----------
-        pairs : ndarray of int32, (K, 2)
-        finished : ndarray, (K, 7)
-            Columns of :data:`FINISHED_COLUMNS`; the first is not read.
+        ids : ndarray of int32, (K, 2)
+        finished : ndarray, (K,)
+            With the fields of :data:`FINISHED`; ``pair`` is not read.
         dt : float, [s]
             Time step.
         """
-        i, j = pairs[:, 0], pairs[:, 1]
-        _, start, end, overlap, impact, rebound, work = finished.T
-        rows = np.empty(len(pairs), EPISODE)
+        i, j = ids[:, 0], ids[:, 1]
+        start, end = finished["start"], finished["end"]
+        impact, rebound = finished["impact_speed"], finished["rebound_speed"]
+        rows = np.empty(len(ids), EPISODE)
         rows["i"], rows["j"] = i, j
         rows["kind"] = np.where(j < 0, "sphere-wall", "sphere-sphere")
         rows["start_s"], rows["duration_s"], rows["steps"] = start, end - start, (end - start) / dt
-        rows["max_overlap_fraction"], rows["work_J"] = overlap, work
+        rows["max_overlap_fraction"], rows["work_J"] = finished["max_overlap"], finished["work"]
         rows["impact_speed_m_s"], rows["rebound_speed_m_s"] = impact, rebound
         met = impact > 0.0
         rows["restitution"] = np.where(met, rebound, np.nan) / np.where(met, impact, 1.0)
-        rows["stokes_number"] = self._stokes_per_speed(i, j) * np.maximum(impact, 0.0)
+        rows["stokes_number"] = self._stokes_per_speed(ids) * np.maximum(impact, 0.0)
         self.rows = np.concatenate([self.rows, rows])
 
-    def _stokes_per_speed(self, i: NDArray[np.int32], j: NDArray[np.int32]) -> Floats:
+    def _stokes_per_speed(self, ids: NDArray[np.int32]) -> Floats:
         """m_ij/(6 pi mu a_r^2) of each pair, [s/m]; nan when dry."""
         if self._viscosity is None:
-            return np.full(len(i), np.nan)
-        b, wall = self._bodies, j < 0
-        other = np.where(wall, i, j)
-        inverse_mass = np.where(b.is_free, 1.0 / b.mass, 0.0)
-        curvature = 2.0 / b.diameter
-        m = 1.0 / (inverse_mass[i] + np.where(wall, 0.0, inverse_mass[other]))
-        a_r = 1.0 / (curvature[i] + np.where(wall, 0.0, curvature[other]))
+            return np.full(len(ids), np.nan)
+        pairs = pairs_of(self._bodies, self._box, ids)
+        m, a_r = pairs["reduced_mass"].copy(), pairs["reduced_radius"].copy()
         return np.asarray(design.stokes_number(m, a_r, 1.0, self._viscosity))
 
-    def take(self) -> NDArray[np.void]:
+    def take(self) -> Rows:
         """Give the finished contacts, dtype :data:`EPISODE`, and forget them."""
         rows, self.rows = self.rows, np.empty(0, EPISODE)
         return rows

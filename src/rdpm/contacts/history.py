@@ -1,26 +1,37 @@
-"""What pairs remember from step to step: springs, and the contact that is under way."""
+"""What pairs remember from step to step: the contact that is under way, and what their law remembers of it."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["LAW_COLUMNS", "PHASE_TOUCHING", "STATE_COLUMNS", "History"]
+from rdpm import _core
 
-Floats = NDArray[np.float64]
+from .rows import Rows, check_layout
 
-# The kernels' structs (pair.hpp), a column a member.
-LAW_COLUMNS = (
-    "k_n", "eta_n", "k_t", "eta_t", "mu",
-    "lub_inverse", "lub_log", "gap_floor", "gap_cut", "gap_touching",
-)  # fmt: skip
-STATE_COLUMNS = (
-    "xi_x", "xi_y", "xi_z", "phase", "start", "end", "impact_speed", "rebound_speed",
-    "max_overlap", "overlap", "work",
-)  # fmt: skip
-PHASE_TOUCHING = 1.0
-_PHASE = STATE_COLUMNS.index("phase")
-_OVERLAP = STATE_COLUMNS.index("overlap")
+if TYPE_CHECKING:
+    from .pair_table import PairTable
+
+__all__ = ["APART", "ENDED", "STATE", "TOUCHING", "History"]
+
+APART, TOUCHING, ENDED = 0, 1, 2
+
+STATE = np.dtype(
+    [("phase", np.int64)]
+    + [
+        (name, np.float64)
+        for name in ("start", "end", "impact_speed", "rebound_speed", "max_overlap", "overlap", "work")
+    ]
+)
+"""A contact, whatever its law.
+
+``phase``: :data:`APART`, :data:`TOUCHING`, or :data:`ENDED` (the force has vanished, the surfaces still overlap);
+``start``, ``end`` [s] of the force; ``impact_speed``, ``rebound_speed`` [m/s]; ``max_overlap`` [-] of the smaller
+diameter; ``overlap`` [m] now; ``work`` [J] of the contact force.
+"""
+check_layout(STATE, _core.contact_layouts()["state"], "contact states")
 
 
 class History:
@@ -30,55 +41,62 @@ class History:
     ----------
     bodies : int
         Number of bodies.
+    dtype : dtype
+        Of what the law remembers.
 
     Attributes
     ----------
-    pairs : ndarray of int32, (K, 2)
-    states : ndarray, (K, 11)
-        Columns of :data:`STATE_COLUMNS`.
+    ids : ndarray of int32, (K, 2)
+    states : ndarray of :data:`STATE`, (K,)
+    histories : ndarray of `dtype`, (K,)
     """
 
-    def __init__(self, bodies: int) -> None:
+    def __init__(self, bodies: int, dtype: np.dtype[np.void]) -> None:
         self._bodies = bodies
-        self.pairs: NDArray[np.int32] = np.empty((0, 2), np.int32)
-        self.states: Floats = np.empty((0, len(STATE_COLUMNS)))
+        self.ids: NDArray[np.int32] = np.empty((0, 2), np.int32)
+        self.states: Rows = np.empty(0, STATE)
+        self.histories: Rows = np.empty(0, dtype)
+        self._table: PairTable | None = None  # whose rows are these
 
     def __len__(self) -> int:
-        return len(self.pairs)
+        return len(self.ids)
 
     @property
     def largest_overlap(self) -> float:
         """Of the pairs in contact, [m]; 0 where there is none."""
-        return max(0.0, float(self.states[:, _OVERLAP].max())) if len(self) else 0.0
+        return max(0.0, float(self.states["overlap"].max())) if len(self) else 0.0
 
-    def _keys(self, pairs: NDArray[np.int32]) -> NDArray[np.int64]:
-        result: NDArray[np.int64] = pairs[:, 0] * np.int64(self._bodies + 6) + pairs[:, 1] + 6
+    def _keys(self, ids: NDArray[np.int32]) -> NDArray[np.int64]:
+        result: NDArray[np.int64] = ids[:, 0] * np.int64(self._bodies + 6) + ids[:, 1] + 6
         return result
 
-    def carried_to(self, pairs: NDArray[np.int32]) -> tuple[Floats, NDArray[np.bool_]]:
-        """States of a new list of pairs, and which remembered pairs it no longer has.
+    def carry_to(self, table: PairTable) -> NDArray[np.bool_]:
+        """Fill the states and histories of a table; those of pairs that are not in contact become zero.
 
         Parameters
         ----------
-        pairs : ndarray of int32, (M, 2)
-            Sorted by (i, j).
+        table : PairTable
 
         Returns
         -------
-        states : ndarray, (M, 11)
-        is_lost : ndarray of bool, (K,)
+        ndarray of bool, (K,)
+            Remembered pairs that the table does not have.
         """
-        states = np.zeros((len(pairs), len(STATE_COLUMNS)))
+        if table is self._table:
+            return np.zeros(len(self), np.bool_)
+        table.state, table.history = (np.zeros(len(table), rows.dtype) for rows in (table.state, table.history))
         if not len(self):
-            return states, np.zeros(0, np.bool_)
-        have, want = self._keys(self.pairs), self._keys(pairs)
+            return np.zeros(0, np.bool_)
+        have, want = self._keys(self.ids), self._keys(table.ids)
         at = np.searchsorted(want, have)
         found = at < len(want)
         found[found] = want[at[found]] == have[found]
-        states[at[found]] = self.states[found]
-        return states, ~found
+        table.state[at[found]] = self.states[found]
+        table.history[at[found]] = self.histories[found]
+        return ~found
 
-    def keep(self, pairs: NDArray[np.int32], states: Floats) -> None:
-        """Replace what is remembered by the pairs that are in contact."""
-        touching = states[:, _PHASE] > 0.0
-        self.pairs, self.states = pairs[touching], states[touching]
+    def keep(self, table: PairTable) -> None:
+        """Replace what is remembered by the pairs of a table that are in contact."""
+        touching = table.state["phase"] != APART
+        self.ids, self.states, self.histories = table.ids[touching], table.state[touching], table.history[touching]
+        self._table = table

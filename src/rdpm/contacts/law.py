@@ -1,64 +1,66 @@
-"""What a contact law is: it turns the masses of a pair into the numbers of its springs and dashpots."""
+"""What a contact law is: it knows only the pair, never the neighbours, never the time step.
+
+A law is a C++ struct (``contacts/law.hpp``), which gives the impulses of one pair over one sub-step, and a Python
+class, which gives the parameters of each pair and names the driver compiled over that struct.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ContactLaw", "PairParameters"]
+from .rows import Rows
 
-Floats = NDArray[np.float64]
+if TYPE_CHECKING:
+    from .driver import Driver
 
+__all__ = ["PAIR", "ContactLaw"]
 
-@dataclass(frozen=True)
-class PairParameters:
-    """Parameters of M pairs.
+PAIR = np.dtype(
+    [
+        ("reduced_mass", np.float64),
+        ("reduced_radius", np.float64),
+        ("smaller_diameter", np.float64),
+        ("is_frictionless", np.bool_),
+    ]
+)
+r"""What a law may know of a pair.
 
-    Parameters
-    ----------
-    normal_stiffness, normal_damping : ndarray, (M,), [N/m], [N s/m]
-    tangential_stiffness, tangential_damping : ndarray, (M,), [N/m], [N s/m]
-    friction : ndarray, (M,), [-]
-        Coulomb's coefficient; 0: the surfaces are smooth and the tangential part is not computed.
-    """
-
-    normal_stiffness: Floats
-    normal_damping: Floats
-    tangential_stiffness: Floats
-    tangential_damping: Floats
-    friction: Floats
+``reduced_mass`` :math:`(1/m_i+1/m_j)^{-1}` [kg], the body's own mass against a wall or a body of prescribed motion;
+``reduced_radius`` :math:`a_ia_j/(a_i+a_j)` [m], the body's radius against a wall; ``smaller_diameter`` [m];
+``is_frictionless``: a free-slip face, which pushes along its normal alone.
+"""
 
 
 class ContactLaw(Protocol):
-    """A contact law knows only the pair: never the neighbours, never the time step."""
+    """Parameters of each pair, and the driver that reads them."""
 
     @property
-    def ending(self) -> str:
-        """``"zero-force"`` (no attraction) or ``"zero-overlap"``."""
+    def driver(self) -> Driver:
+        """Runs the pairs over a step; its ``parameters`` and ``history`` are the dtypes of the law's rows."""
 
-    def parameters(self, reduced_mass: Floats, diameter: Floats) -> PairParameters:
-        """Parameters of each pair.
+    def parameters(self, pairs: Rows) -> Rows:
+        """Parameters of each pair, without friction where the pair has none.
 
         Parameters
         ----------
-        reduced_mass : ndarray, (M,), [kg]
-            The body's own mass against a wall or a body of prescribed motion. > 0.
-        diameter : ndarray, (M,), [m]
-            Of the smaller body. > 0.
+        pairs : ndarray of :data:`PAIR`, (K,)
+
+        Returns
+        -------
+        ndarray of ``driver.parameters``, (K,)
         """
 
-    def time_scale(self, reduced_mass: Floats, diameter: Floats) -> Floats:
+    def time_scale(self, pairs: Rows) -> NDArray[np.float64]:
         """Time that the sub-steps must resolve: the contact's duration where it has one.
 
         Parameters
         ----------
-        reduced_mass, diameter : ndarray, (M,), [kg], [m]
-            As in :meth:`parameters`.
+        pairs : ndarray of :data:`PAIR`, (K,)
 
         Returns
         -------
-        ndarray, (M,), [s]
+        ndarray, (K,), [s]
         """

@@ -1,4 +1,4 @@
-"""Normal lubrication between close surfaces: the part of the squeeze film that the grid does not resolve."""
+"""Normal lubrication between close surfaces: the part that the grid does not resolve."""
 
 from __future__ import annotations
 
@@ -10,33 +10,42 @@ from numpy.typing import NDArray
 from rdpm import _core
 from rdpm.errors import CaseError
 
-__all__ = ["Lubrication"]
+from .rows import Rows, as_bytes, check_layout
+
+__all__ = ["LUBRICATION", "Lubrication"]
 
 Floats = NDArray[np.float64]
+
+LUBRICATION = np.dtype(
+    [(name, np.float64) for name in ("inverse", "log", "least_gap", "cutoff_gap", "touching_gap")]
+)
+"""Coefficients of 1/gap [N s] and ln(1/gap) [N s/m] of a pair, the gap below which the resistance is constant, the
+cut-off, and the gap at which the grid resolves touching surfaces [m]; zeros: no lubrication."""
+check_layout(LUBRICATION, _core.contact_layouts()["lubrication"], "lubrication")
 
 
 @dataclass(frozen=True)
 class Lubrication:
-    r"""Resistance :math:`\lambda(g)-\lambda(g_{seen})` to the normal velocity, zero beyond the cut-off.
+    r"""Resistance :math:`\lambda(g)-\lambda(g_{res})` to the normal velocity, zero beyond the cut-off.
 
     :math:`\lambda = 6\pi\mu\,[a_r^2/g + a_i\,g_2(\beta)\ln(1/g)]` with :math:`a_r=a_ia_j/(a_i+a_j)`,
     :math:`\beta=a_j/a_i` and :math:`g_2=\beta(1+7\beta+\beta^2)/(5(1+\beta)^3)`; a wall is
-    :math:`\beta\to\infty`. The grid resolves the film of surfaces a little further apart,
-    :math:`g_{seen}=g_0+g(1-g_0/g_{cut})`: touching surfaces it sees :math:`g_0` apart. The film is held below the
-    roughness and zero in overlap, where the solids carry the load: the overlap of a softened contact is no film.
-    Tangential and rotational films, logarithmic only, are left out.
+    :math:`\beta\to\infty`. The grid resolves the flow between surfaces a little further apart,
+    :math:`g_{res}=g_0+g(1-g_0/g_{cut})`: touching surfaces as if they were :math:`g_0` apart. The resistance is
+    constant below the roughness and zero in overlap, where the solids carry the load: the overlap of a softened
+    contact is no gap. Tangential and rotational lubrication, logarithmic only, is left out.
 
     Parameters
     ----------
     viscosity : float, [Pa s]
         Dynamic viscosity of the fluid. > 0.
     cutoff_gap : float, [m]
-        Gap to a wall from which on the grid resolves the film: a number of cells times the mean spacing. > 0.
+        Gap to a wall from which on the grid resolves lubrication: a number of cells times the mean spacing. > 0.
     roughness : float, [-]
         Smallest gap as a fraction of the smaller radius, 0 < roughness <= 0.1.
     touching_gap : float, optional, [m]
-        Gap at which the grid sees a body that touches a wall, :math:`g_0`, 0 < value <= cutoff_gap; cutoff_gap when
-        left out: below the cut-off the grid then resolves no more than at it.
+        Gap as which the grid resolves that of a body touching a wall, :math:`g_0`, 0 < value <= cutoff_gap; cutoff_gap
+        when left out: below the cut-off the grid then resolves no more than at it.
     pair_cutoff_gap, pair_touching_gap : float, optional, [m]
         The same between two bodies; those of a wall when left out.
     pair_radius : float, optional, [m]
@@ -51,14 +60,14 @@ class Lubrication:
     References
     ----------
     .. [1] Jeffrey, Onishi, J. Fluid Mech. 139 (1984) 261-290, doi:10.1017/S0022112084000355.
-    .. [2] Costa, Boersma, Westerweel, Breugem, Phys. Rev. E 92 (2015) 053012 (held, and off in contact).
+    .. [2] Costa, Boersma, Westerweel, Breugem, Phys. Rev. E 92 (2015) 053012 (constant at small gaps, off in contact).
     .. [3] Brenner, Chem. Eng. Sci. 16 (1961) 242-251; Cox, Brenner, Chem. Eng. Sci. 22 (1967) 1753-1777.
 
     Examples
     --------
-    >>> film = Lubrication(viscosity=0.1, cutoff_gap=1e-3)
+    >>> lubrication = Lubrication(viscosity=0.1, cutoff_gap=1e-3)
     >>> a = 7.5e-3
-    >>> round(float(film.resistance(np.array([1e-4]), a, np.inf)[0] / (6 * np.pi * 0.1 * a)), 2)   # a wall
+    >>> round(float(lubrication.resistance(np.array([1e-4]), a, np.inf)[0] / (6 * np.pi * 0.1 * a)), 2)   # a wall
     67.96
     """
 
@@ -93,13 +102,13 @@ class Lubrication:
         return cut, self.pair_touching_gap or min(self._wall[1], cut)
 
     def largest_gap(self, radius: Floats) -> float:
-        """Gap beyond which no film acts between bodies of these radii, (N,), and walls [m]."""
+        """Gap beyond which no lubrication acts between bodies of these radii, (N,), and walls [m]."""
         largest = radius.max(keepdims=True, initial=0.0)
-        walls, pairs = (self.reach(largest, other)[0].max() for other in (np.array([np.inf]), largest))
+        walls, pairs = (self._gaps(largest, other)[0].max() for other in (np.array([np.inf]), largest))
         return float(max(walls, pairs))
 
-    def reach(self, radius_i: Floats, radius_j: Floats) -> tuple[Floats, Floats]:
-        """Cut-off gap and the gap at which the grid sees touching surfaces, of each pair, (M,), (M,) [m]."""
+    def _gaps(self, radius_i: Floats, radius_j: Floats) -> tuple[Floats, Floats]:
+        """Cut-off gap, and that as which the grid resolves touching surfaces, of each pair, (M,), (M,) [m]."""
         is_wall = np.isinf(radius_j)
         scale = np.ones_like(radius_i)
         if self.pair_radius is not None:
@@ -108,8 +117,8 @@ class Lubrication:
         cut, touching = (np.where(is_wall, *both) * scale for both in zip(self._wall, self._pair, strict=True))
         return cut, touching
 
-    def coefficients(self, radius_i: Floats, radius_j: Floats) -> tuple[Floats, Floats, Floats]:
-        """Coefficients of 1/gap and ln(1/gap), and the smallest gap, of each pair.
+    def rows(self, radius_i: Floats, radius_j: Floats) -> Rows:
+        """Coefficients and gaps of each pair.
 
         Parameters
         ----------
@@ -118,16 +127,17 @@ class Lubrication:
 
         Returns
         -------
-        inverse : ndarray, (M,), [N s]
-        log : ndarray, (M,), [N s/m]
-        gap_floor : ndarray, (M,), [m]
+        ndarray of :data:`LUBRICATION`, (M,)
         """
         t = radius_i / (radius_i + radius_j)  # in terms of 1/(1 + beta) the wall is no special case
         s = np.where(np.isinf(radius_j), 1.0, 1.0 - t)
         factor = 6.0 * np.pi * self.viscosity
-        inverse = factor * (radius_i * s) ** 2
-        log = factor * radius_i * s * (t * t + 7.0 * t * s + s * s) / 5.0
-        return inverse, log, self.roughness * np.minimum(radius_i, radius_j)
+        result = np.empty(len(radius_i), LUBRICATION)
+        result["inverse"] = factor * (radius_i * s) ** 2
+        result["log"] = factor * radius_i * s * (t * t + 7.0 * t * s + s * s) / 5.0
+        result["least_gap"] = self.roughness * np.minimum(radius_i, radius_j)
+        result["cutoff_gap"], result["touching_gap"] = self._gaps(radius_i, radius_j)
+        return result
 
     def resistance(self, gap: Floats, radius_i: float, radius_j: float) -> Floats:
         """Force per approach speed that is added to what the grid resolves.
@@ -143,9 +153,8 @@ class Lubrication:
         -------
         ndarray, (M,), [N s/m]
         """
-        inverse, log, floor = self.coefficients(np.array([radius_i]), np.array([radius_j]))
+        row = self.rows(np.array([radius_i]), np.array([radius_j]))
         gap = np.ascontiguousarray(gap, dtype=np.float64)
         result = np.empty_like(gap)
-        cut, touching = self.reach(np.array([radius_i]), np.array([radius_j]))
-        _core.lubrication_resistance(gap, inverse[0], log[0], floor[0], cut[0], touching[0], result)
+        _core.lubrication_resistance(gap, as_bytes(row), result)
         return result

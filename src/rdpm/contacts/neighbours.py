@@ -6,14 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rdpm import _core
+from rdpm.conventions import NO_NEIGHBOUR
+from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
-from .walls import Box
-
-__all__ = ["NO_NEIGHBOUR", "Neighbours", "gaps_and_rates", "nearest_gaps"]
-
-NO_NEIGHBOUR = -7
-"""Neighbour of a body that is alone in a box without sides."""
+__all__ = ["Neighbours", "gaps_and_rates", "nearest_gaps"]
 
 Floats = NDArray[np.float64]
 
@@ -50,7 +47,7 @@ class Neighbours:
         Returns
         -------
         ndarray of int32, (M, 2)
-            i and j > i, or j = -1..-6 for the sides; a view that the next call overwrites.
+            i and j > i, or j = -1..-6 for the faces of the box; a view that the next call overwrites.
         """
         b = self.bodies
         while True:
@@ -65,7 +62,7 @@ class Neighbours:
     def nearest(self) -> tuple[Floats, NDArray[np.int64]]:
         """Nearest surface of each body; see :func:`nearest_gaps`."""
         b = self.bodies
-        gap, neighbour = np.empty(len(b)), np.empty(len(b), np.int64)
+        gap, neighbour = np.full(len(b), np.inf), np.full(len(b), NO_NEIGHBOUR, np.int64)
         if len(b):
             _core.nearest_surfaces(
                 self.box.table, b.position, self.radius, self._cell_start, self._cell_order, gap, neighbour
@@ -87,12 +84,12 @@ def nearest_gaps(bodies: Bodies, box: Box) -> tuple[Floats, NDArray[np.int64]]:
     gap : ndarray, (N,), [m]
         Negative in contact; inf where there is no other surface.
     neighbour : ndarray of int64, (N,)
-        Whose surface: a body, a side (-1..-6), or :data:`NO_NEIGHBOUR`.
+        Whose surface: a body, a face of the box (-1..-6), or `rdpm.conventions.NO_NEIGHBOUR`.
 
     Examples
     --------
     >>> bodies = Bodies(np.array([1.0, 1.0]), np.ones(2), np.array([[2.0, 2.0, 2.0], [2.0, 2.0, 3.5]]))
-    >>> box = Box((4.0, 4.0, 10.0), (False, False, False), (True, True, True))
+    >>> box = Box((4.0, 4.0, 10.0))
     >>> gap, neighbour = nearest_gaps(bodies, box)
     >>> gap.tolist(), neighbour.tolist()
     ([0.5, 0.5], [1, 0])
@@ -108,7 +105,7 @@ def gaps_and_rates(bodies: Bodies, box: Box, pairs: NDArray[np.int32]) -> tuple[
     bodies : Bodies
     box : Box
     pairs : ndarray of int32, (M, 2)
-        i and j, or -1..-6 for the sides.
+        i and j, or -1..-6 for the faces of the box.
 
     Returns
     -------
@@ -121,7 +118,7 @@ def gaps_and_rates(bodies: Bodies, box: Box, pairs: NDArray[np.int32]) -> tuple[
     --------
     >>> bodies = Bodies(np.array([1.0, 1.0]), np.ones(2), np.array([[2.0, 2.0, 2.0], [2.0, 2.0, 3.5]]),
     ...                 velocity=np.array([[0.0, 0.0, 0.1], [0.0, 0.0, -0.1]]))
-    >>> box = Box((4.0, 4.0, 10.0), (False, False, False), (True, True, True))
+    >>> box = Box((4.0, 4.0, 10.0))
     >>> gap, rate = gaps_and_rates(bodies, box, np.array([[0, 1], [0, -5]], np.int32))
     >>> gap.tolist(), rate.tolist()
     ([0.5, 1.5], [-0.2, 0.1])
@@ -136,8 +133,8 @@ def gaps_and_rates(bodies: Bodies, box: Box, pairs: NDArray[np.int32]) -> tuple[
     normal = apart / np.where(distance > 0.0, distance, 1.0)[:, None]
     rate = np.einsum("mx,mx->m", normal, bodies.velocity[i] - bodies.velocity[other])
     gap = distance - 0.5 * (bodies.diameter[i] + bodies.diameter[other])
-    side = np.where(wall, -1 - j, 0)
-    axis, is_upper = side // 2, side % 2 == 1
+    face = np.where(wall, -1 - j, 0)
+    axis, is_upper = face // 2, face % 2 == 1
     at, speed = bodies.position[i, axis], bodies.velocity[i, axis]
     from_wall = np.where(is_upper, size[axis] - at, at) - 0.5 * bodies.diameter[i]
     return np.where(wall, from_wall, gap), np.where(wall, np.where(is_upper, -speed, speed), rate)

@@ -8,16 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm import design
+from rdpm import _core, design
 from rdpm.design._checks import Ending, check_ending
 from rdpm.errors import CaseError
 
-from .law import PairParameters
+from .rows import Rows
+from .substeps import SubstepDriver
 
 __all__ = ["SoftSphere"]
 
 Floats = NDArray[np.float64]
 Normal = Callable[[Floats, Floats], tuple[Floats, Floats]]
+
+# The structs of contacts/soft_sphere.hpp.
+_PARAMETERS = np.dtype(
+    [(name, np.float64) for name in ("k_n", "eta_n", "k_t", "eta_t", "mu")] + [("may_attract", np.int64)]
+)
+_HISTORY = np.dtype([("xi", np.float64, (3,))])  # elongation of the tangential spring [m]
+_DRIVER = SubstepDriver(_core.soft_sphere_kernel(), _PARAMETERS, _HISTORY)
 
 
 @dataclass(frozen=True)
@@ -49,8 +57,8 @@ class SoftSphere:
     Examples
     --------
     >>> law = SoftSphere.from_contact_time(restitution=0.5, contact_time=8e-3)
-    >>> pair = law.parameters(np.array([1e-3, 2e-3]), np.array([0.015, 0.015]))
-    >>> float(pair.normal_stiffness[1] / pair.normal_stiffness[0])   # the same duration for every pair
+    >>> stiffness, damping = law.normal(np.array([1e-3, 2e-3]), np.array([0.015, 0.015]))
+    >>> float(stiffness[1] / stiffness[0])   # the same duration for every pair
     2.0
     """
 
@@ -189,18 +197,42 @@ class SoftSphere:
 
         return cls(normal, ending, friction, tangential_ratio)
 
-    def parameters(self, reduced_mass: Floats, diameter: Floats) -> PairParameters:
-        """Parameters of each pair; see :class:`rdpm.contacts.law.ContactLaw`."""
-        k_n, eta_n = self.normal(reduced_mass, diameter)
-        k_t, eta_t = design.tangential_parameters(k_n, eta_n, self.tangential_ratio)
-        return PairParameters(k_n, eta_n, k_t, eta_t, np.full(k_n.shape, float(self.friction)))
+    @property
+    def driver(self) -> SubstepDriver:
+        """The sub-steps, compiled over the law."""
+        return _DRIVER
 
-    def time_scale(self, reduced_mass: Floats, diameter: Floats) -> Floats:
+    def parameters(self, pairs: Rows) -> Rows:
+        """Parameters of each pair; see :class:`rdpm.contacts.law.ContactLaw`."""
+        result = np.zeros(len(pairs), _PARAMETERS)
+        k_n, eta_n = self.normal(pairs["reduced_mass"].copy(), pairs["smaller_diameter"].copy())
+        rubs = ~pairs["is_frictionless"]
+        k_t, eta_t = design.tangential_parameters(k_n, eta_n, self.tangential_ratio)
+        result["k_n"], result["eta_n"] = k_n, eta_n
+        result["k_t"], result["eta_t"] = np.where(rubs, k_t, 0.0), np.where(rubs, eta_t, 0.0)
+        result["mu"] = np.where(rubs, self.friction, 0.0)
+        result["may_attract"] = self.ending == "zero-overlap"
+        return result
+
+    def time_scale(self, pairs: Rows) -> Floats:
+        """Time that the sub-steps must resolve, (K,) [s]; see :meth:`resolved_time`."""
+        return self.resolved_time(pairs["reduced_mass"].copy(), pairs["smaller_diameter"].copy())
+
+    def resolved_time(self, reduced_mass: Floats, smaller_diameter: Floats) -> Floats:
         r"""Contact duration; where it is long or undefined, the spring's half period and the decay count.
 
         The decay time of strong damping, :math:`2\pi m_{ij}/\eta_n`, is the half period at :math:`\zeta=1`.
+
+        Parameters
+        ----------
+        reduced_mass, smaller_diameter : ndarray, (K,), [kg], [m]
+            > 0.
+
+        Returns
+        -------
+        ndarray, (K,), [s]
         """
-        k_n, eta_n = self.normal(reduced_mass, diameter)
+        k_n, eta_n = self.normal(reduced_mass, smaller_diameter)
         scale = np.minimum(
             design.contact_time(reduced_mass, k_n, eta_n, self.ending), np.pi * np.sqrt(reduced_mass / k_n)
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rdpm.conventions import OVERLAP_WARNING
 from rdpm.design._checks import Ending
 from rdpm.design.dimensionless import CRITICAL_STOKES
 from rdpm.design.result import Severity, Verdict
@@ -15,7 +16,7 @@ LEAST_CONTACT_STEPS = 4
 MOST_CONTACT_STEPS = 15
 """Upper end of the window of the scheme's authors; more steps only soften the contact."""
 
-USUAL_OVERLAP = 0.005
+USUAL_OVERLAP = OVERLAP_WARNING
 """Largest overlap of a soft sphere that does not disturb the flow [of the diameter]."""
 
 _MUSONG = "Musong, Feng, Michaelides, NETL Multiphase Flow Conf. (2012)"

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rdpm.conventions import OVERLAP_WARNING
 from rdpm.figures.plane import Plane
 from rdpm.figures.style import ACCENT, PALETTE, drawing, length_unit, save
 from rdpm.results.dkt import KISS_GAP, TUMBLE_ANGLE, DktPhases, line_of_centres, pair_gap
-from rdpm.results.summary import OVERLAP_WARNING
 from rdpm.results.tracks import Tracks
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rdpm.conventions import OVERLAP_WARNING
 from rdpm.errors import OutputError
 from rdpm.figures import page, plots
 from rdpm.figures.bodies_3d import finish_rendering, start_rendering
@@ -18,7 +19,7 @@ from rdpm.figures.video import Scene, make_video
 from rdpm.io.files import replacing
 from rdpm.results.dkt import KISS_GAP, TUMBLE_ANGLE
 from rdpm.results.run import Run, load_run
-from rdpm.results.summary import OVERLAP_WARNING, ContactDesign, PairDesign, Summary
+from rdpm.results.summary import ContactDesign, PairDesign, Summary
 
 __all__ = ["make_report"]
 

@@ -1,6 +1,6 @@
-"""The fixed Cartesian grid and its boundaries."""
+"""The box and the fixed Cartesian grid in it."""
 
-from rdpm.grid.boundary import BOUNDARIES, SIDES, Boundary
+from rdpm.grid.box import Box
 from rdpm.grid.grid import Grid, choose_cells
 
-__all__ = ["BOUNDARIES", "SIDES", "Boundary", "Grid", "choose_cells"]
+__all__ = ["Box", "Grid", "choose_cells"]

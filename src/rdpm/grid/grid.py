@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rdpm import _core
-from rdpm.grid.boundary import BOUNDARIES, Boundary
+from rdpm.conventions import BOUNDARY_KINDS, BoundaryKind
+from rdpm.grid.box import Box
 
 __all__ = ["Grid", "choose_cells", "smooth_counts"]
 
@@ -74,35 +75,38 @@ def choose_cells(length: float, spacing: float) -> int:
     return min(near or [max(4, round(ideal))], key=lambda n: abs(ideal / n - 1))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Grid:
-    """A box of nx x ny x nz cells; fields are (nz+2, ny+2, nx+2) arrays with one halo cell a side.
+    """A box of nx x ny x nz cells; fields are (nz+2, ny+2, nx+2) arrays with one halo cell beyond each face.
 
     Parameters
     ----------
-    size : tuple of float, (3,), [m]
-        Lx, Ly, Lz.
+    box : Box
     cells : tuple of int, (3,)
         nx, ny, nz; at least 4 each.
-    boundary : tuple of str, (3,)
-        Of the x, y and z pair of sides: "periodic", "wall" (no-slip) or "free-slip".
-    wall_velocity : ndarray, (6, 3), [m/s]
-        Tangential velocity of each side, ordered x_lower, x_upper, y_lower, ...
     threads : int
         Used by every loop over the grid.
 
     Examples
     --------
-    >>> grid = Grid((1.0, 1.0, 2.0), (8, 8, 16), ("periodic", "wall", "wall"))
+    >>> grid = Grid(Box((1.0, 1.0, 2.0), ("periodic", "wall", "wall")), (8, 8, 16))
     >>> grid.shape, grid.spacing
     ((18, 10, 10), (0.125, 0.125, 0.125))
     """
 
-    size: tuple[float, float, float]
+    box: Box
     cells: tuple[int, int, int]
-    boundary: tuple[Boundary, Boundary, Boundary] = ("wall", "wall", "wall")
-    wall_velocity: NDArray[np.float64] = field(default_factory=lambda: np.zeros((6, 3)))
     threads: int = 1
+
+    @property
+    def size(self) -> tuple[float, float, float]:
+        """Of the box: Lx, Ly, Lz [m]."""
+        return self.box.size
+
+    @property
+    def boundary(self) -> tuple[BoundaryKind, BoundaryKind, BoundaryKind]:
+        """Of the x, y and z pair of faces."""
+        return self.box.kinds
 
     @property
     def spacing(self) -> tuple[float, float, float]:
@@ -119,13 +123,12 @@ class Grid:
     @property
     def is_periodic(self) -> tuple[bool, bool, bool]:
         """A flag a direction."""
-        x, y, z = (kind == "periodic" for kind in self.boundary)
-        return x, y, z
+        return self.box.is_periodic
 
     @property
     def volume(self) -> float:
         """Of the box [m^3]."""
-        return self.size[0] * self.size[1] * self.size[2]
+        return self.box.volume
 
     @cached_property
     def core(self) -> _core.Grid:
@@ -133,8 +136,8 @@ class Grid:
         return _core.Grid(
             list(self.cells),
             list(self.spacing),
-            [BOUNDARIES.index(b) for b in self.boundary],
-            np.asarray(self.wall_velocity, float).ravel().tolist(),
+            [BOUNDARY_KINDS.index(kind) for kind in self.boundary],
+            self.box.wall_velocity.ravel().tolist(),
             self.threads,
         )
 

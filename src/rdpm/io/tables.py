@@ -24,8 +24,8 @@ __all__ = [
     "read_table",
 ]
 
-# force: hydrodynamic; gap: the smallest to any body or wall; neighbour: that body, -1..-6 a wall, -7
-# none.
+# force: hydrodynamic; gap: the smallest to any body or wall; neighbour: that body, -1..-6 a face of
+# the box, `rdpm.conventions.NO_NEIGHBOUR` none.
 PARTICLE_COLUMNS = (
     "time_s", "id", "x_m", "y_m", "z_m", "u_m_s", "v_m_s", "w_m_s",
     "omega_x_rad_s", "omega_y_rad_s", "omega_z_rad_s", "force_x_N", "force_y_N", "force_z_N",

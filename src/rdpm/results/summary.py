@@ -15,7 +15,6 @@ from rdpm.io.provenance import read_json, write_json
 from rdpm.results.dkt import DktPhases
 
 __all__ = [
-    "OVERLAP_WARNING",
     "BodySummary",
     "ContactDesign",
     "ContactTotals",
@@ -24,9 +23,6 @@ __all__ = [
     "read_summary",
     "write_summary",
 ]
-
-#: Overlap of the smaller diameter above which a run warns: the flow then sees bodies where there are none.
-OVERLAP_WARNING = 0.005
 
 
 @dataclass(frozen=True)

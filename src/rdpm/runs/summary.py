@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from rdpm.conventions import OVERLAP_WARNING
 from rdpm.io.provenance import environment, peak_memory_bytes
 from rdpm.io.tables import read_table
 from rdpm.parallel.ranks import working_ranks
 from rdpm.results.dkt import DktPhases, from_particles_table
 from rdpm.results.run_folder import RunFolder
-from rdpm.results.summary import OVERLAP_WARNING, BodySummary, ContactDesign, ContactTotals, PairDesign, Summary
+from rdpm.results.summary import BodySummary, ContactDesign, ContactTotals, PairDesign, Summary
 from rdpm.runs.recorder import Recorder
 from rdpm.setup import Plan, Simulation
 

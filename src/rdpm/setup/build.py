@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from rdpm.config.case import Case
-from rdpm.contacts import Box, Contacts, Lubrication
+from rdpm.contacts import Contacts, Lubrication
 from rdpm.coupling.mean_flow import MeanFlow
 from rdpm.coupling.system import System
 from rdpm.fluid import Fluid
-from rdpm.grid import Grid
+from rdpm.grid import Box, Grid
 from rdpm.parallel.threads import available_threads
 from rdpm.particles.calibration import CALIBRATION, Calibration
 from rdpm.particles.immersed import ImmersedBodies
@@ -75,14 +75,11 @@ def _system(made: Plan, threads: int, calibration: Calibration) -> System:
     case, fluid = made.case, made.case.fluid
     bodies, prescription = _bodies(case)
     domain = case.domain
-    wall_velocity = np.array(domain.wall_velocities)
-    x, y, z = domain.size
-    has_wall = [kind == "wall" for kind in domain.kinds]
-    box = Box((x, y, z), domain.is_periodic, (has_wall[0], has_wall[1], has_wall[2]), wall_velocity)
+    box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities))
     gravity = np.array(domain.gravity)
     if fluid is None or made.cells is None:
         return System(bodies, _contacts(made, bodies, box, None, calibration), prescription, gravity)
-    grid = Grid((x, y, z), made.cells, domain.kinds, wall_velocity, threads)
+    grid = Grid(box, made.cells, threads)
     flow = Fluid(grid, fluid.density, fluid.nu, made.step.is_explicit)
     flow.set_velocity(*fluid.initial_velocity)
     lubrication = None

@@ -126,7 +126,7 @@ def contact_limit(case: Case, kinds: list[Kind], fall: float) -> float:
     contact = case.contact
     if contact.way != "contact-steps":
         law = contact_law(case, math.nan)
-        return float(law.time_scale(mass, diameter).min()) / LEAST_CONTACT_STEPS
+        return float(law.resolved_time(mass, diameter).min()) / LEAST_CONTACT_STEPS
     if fall == 0.0:
         return math.inf
     # Contact time in which a dry impact at the bodies' own speed reaches the overlap allowed.
@@ -184,7 +184,7 @@ def pairs(case: Case, kinds: list[Kind], law: SoftSphere, dt: float, fall: float
     """
     if not kinds:
         return []
-    parameters = law.parameters(*_columns(kinds))
+    stiffness, damping = law.normal(*_columns(kinds))
     fluid = {"fluid_density": case.fluid.density, "viscosity": case.fluid.mu} if case.fluid else {}
     return [
         PairKind(
@@ -207,7 +207,7 @@ def pairs(case: Case, kinds: list[Kind], law: SoftSphere, dt: float, fall: float
                 **fluid,
             ),
         )
-        for kind, k_n, eta_n in zip(kinds, parameters.normal_stiffness, parameters.normal_damping, strict=True)
+        for kind, k_n, eta_n in zip(kinds, stiffness, damping, strict=True)
     ]
 
 

@@ -42,7 +42,7 @@ def check_step(system: System, dt: float) -> None:
                 "Lower time.step, or soften the contact.",
             )
         size = np.array(system.contacts.box.size)
-        out = ((bodies.position < 0.0) | (bodies.position > size)) & ~np.array(system.contacts.box.periodic)
+        out = ((bodies.position < 0.0) | (bodies.position > size)) & ~np.array(system.contacts.box.is_periodic)
         if out.any():
             body, axis = (int(n) for n in np.argwhere(out)[0])
             raise BodyLeftError(

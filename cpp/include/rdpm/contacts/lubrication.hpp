@@ -1,42 +1,52 @@
-// Squeeze film between two surfaces: the part of the normal resistance that the grid does not see.
+// Lubrication between two close surfaces: the part of the normal resistance that the grid does not resolve.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "rdpm/contacts/layout.hpp"
 
 namespace rdpm::contacts {
 
-// lambda(gap) - lambda(seen) with lambda = inverse/gap + log*ln(1/gap) [N s/m]; zero beyond gap_cut. The grid
-// sees touching surfaces gap_touching apart and, linearly in between, those at gap_cut where they are. Held
-// below gap_floor (the roughness); zero in overlap, where the solids carry the load and the film keeps its
-// thickness: a soft contact's overlap is no film's flow, and would lose all of a rebound in it.
-struct Film {
-    double inverse, log, gap_floor, gap_cut, gap_touching;
+// lambda(gap) - lambda(resolved_gap) with lambda = inverse/gap + log*ln(1/gap) [N s/m]; zero beyond
+// cutoff_gap. The grid resolves touching surfaces as if they were touching_gap apart and, linearly in
+// between, those at cutoff_gap where they are. Constant below least_gap (the roughness); zero in overlap,
+// where the solids carry the load: the overlap of a softened contact is no squeeze flow, and would lose all
+// of a rebound in it. A row of zeros is a pair without lubrication.
+struct LubricationRow {
+    double inverse, log, least_gap, cutoff_gap, touching_gap;
 
-    double seen(double gap) const { return gap_touching + gap * (1 - gap_touching / gap_cut); }
+    double resolved_gap(double gap) const { return touching_gap + gap * (1 - touching_gap / cutoff_gap); }
 
     double resistance(double gap) const {
-        const double g = std::max(gap, gap_floor);
-        if (gap <= 0 || !(g < gap_cut)) return 0;
-        return inverse * (1 / g - 1 / seen(g)) + log * std::log(seen(g) / g);
+        const double g = std::max(gap, least_gap);
+        if (gap <= 0 || !(g < cutoff_gap)) return 0;
+        return inverse * (1 / g - 1 / resolved_gap(g)) + log * std::log(resolved_gap(g) / g);
     }
 
-    // Mean over a path of gaps: the impulse of a film that is crossed in few sub-steps does not depend on
+    // Mean over a path of gaps: the impulse of a gap that is crossed in few sub-steps does not depend on
     // where these fall.
     double mean_resistance(double gap, double half_path) const {
         const double low = gap - std::abs(half_path), high = gap + std::abs(half_path);
-        if (high <= 0 || low >= gap_cut || gap_floor >= gap_cut) return 0;
+        if (high <= 0 || low >= cutoff_gap || least_gap >= cutoff_gap) return 0;
         const double length = high - low;
         if (length < 1e-3 * gap) return resistance(gap);
-        const double from = std::clamp(low, gap_floor, gap_cut), to = std::clamp(high, gap_floor, gap_cut);
-        const double held = std::min(high, gap_floor) - std::max(low, 0.0);
-        double impulse = held > 0 ? held * resistance(gap_floor) : 0;
-        const double middle = 0.5 * (from + to), slope = 1 - gap_touching / gap_cut;
-        const double seen_part =
-            slope > 1e-6 ? std::log(seen(to) / seen(from)) / slope : (to - from) / seen(middle);
-        impulse += inverse * (std::log(to / from) - seen_part);
-        impulse += log * (to - from) * std::log(seen(middle) / middle);
+        const double from = std::clamp(low, least_gap, cutoff_gap),
+                     to = std::clamp(high, least_gap, cutoff_gap);
+        const double constant = std::min(high, least_gap) - std::max(low, 0.0);
+        double impulse = constant > 0 ? constant * resistance(least_gap) : 0;
+        const double middle = 0.5 * (from + to), slope = 1 - touching_gap / cutoff_gap;
+        const double resolved_part = slope > 1e-6 ? std::log(resolved_gap(to) / resolved_gap(from)) / slope
+                                                  : (to - from) / resolved_gap(middle);
+        impulse += inverse * (std::log(to / from) - resolved_part);
+        impulse += log * (to - from) * std::log(resolved_gap(middle) / middle);
         return impulse / length;
     }
 };
+
+inline constexpr std::array lubrication_fields{
+    RDPM_FIELD(LubricationRow, inverse), RDPM_FIELD(LubricationRow, log),
+    RDPM_FIELD(LubricationRow, least_gap), RDPM_FIELD(LubricationRow, cutoff_gap),
+    RDPM_FIELD(LubricationRow, touching_gap)};
 
 }  // namespace rdpm::contacts

@@ -99,16 +99,16 @@ inline double travel(const double* v, const double* force, const double* inverse
     return 4 * dt * (std::sqrt(speed) + 0.5 * dt * std::sqrt(acceleration));
 }
 
-// Pairs with a gap of at most `reach`, sorted by (i, j), i < j; walls are j = -1 - side, those of a body
+// Pairs with a gap of at most `range`, sorted by (i, j), i < j; walls are j = -1 - face, those of a body
 // before its spheres. Pairs in which neither can move are left out. Writes at most `capacity`, returns how
 // many there are.
 inline std::int64_t find_pairs(const Box& box, const double* x, const double* radius,
-                               const double* inverse_mass, std::int64_t bodies, double reach,
+                               const double* inverse_mass, std::int64_t bodies, double range,
                                std::int32_t* start, std::int32_t* order, std::int32_t* pairs,
                                std::int64_t capacity) {
     double largest = 0;
     for (std::int64_t b = 0; b < bodies; ++b) largest = std::max(largest, radius[b]);
-    const CellList cells = sort_into_cells(box, x, bodies, 2 * largest + reach, start, order);
+    const CellList cells = sort_into_cells(box, x, bodies, 2 * largest + range, start, order);
     std::int64_t found = 0;
     for (std::int64_t i = 0; i < bodies; ++i) {
         const double* xi = x + 3 * i;
@@ -119,13 +119,13 @@ inline std::int64_t find_pairs(const Box& box, const double* x, const double* ra
             }
             ++found;
         };
-        for (int side = 5; side >= 0 && inverse_mass[i] > 0; --side)
-            if (!cells.is_periodic[side / 2] && wall_distance(box, xi, side) - radius[i] <= reach)
-                add(-1 - side);
+        for (int face = 5; face >= 0 && inverse_mass[i] > 0; --face)
+            if (!cells.is_periodic[face / 2] && wall_distance(box, xi, face) - radius[i] <= range)
+                add(-1 - face);
         const std::int64_t first = found;
         for_each_near(cells, xi, 1, [&](std::int32_t j) {
             if (j <= i || inverse_mass[i] + inverse_mass[j] == 0) return;
-            if (sphere_gap(box, xi, x + 3L * j, radius[i], radius[j]) <= reach) add(j);
+            if (sphere_gap(box, xi, x + 3L * j, radius[i], radius[j]) <= range) add(j);
         });
         if (found > capacity) continue;
         // Few a body: sorted by insertion.
@@ -139,7 +139,8 @@ inline std::int64_t find_pairs(const Box& box, const double* x, const double* ra
     return found;
 }
 
-// Gap to the nearest surface and whose it is (a body, or a wall -1..-6; -7 where there is none).
+// Gap to the nearest surface and whose it is (a body, or a face -1..-6). What both arrays hold before stays
+// where there is no surface nearer than that gap.
 inline void nearest_surfaces(const Box& box, const double* x, const double* radius, std::int64_t bodies,
                              std::int32_t* start, std::int32_t* order, double* gap, std::int64_t* neighbour) {
     double largest = 0;
@@ -153,13 +154,11 @@ inline void nearest_surfaces(const Box& box, const double* x, const double* radi
     }
     for (std::int64_t i = 0; i < bodies; ++i) {
         const double* xi = x + 3 * i;
-        gap[i] = std::numeric_limits<double>::infinity();
-        neighbour[i] = -7;
-        for (int side = 0; side < 6; ++side) {
-            const double g = wall_distance(box, xi, side) - radius[i];
-            if (cells.is_periodic[side / 2] || !(g < gap[i])) continue;
+        for (int face = 0; face < 6; ++face) {
+            const double g = wall_distance(box, xi, face) - radius[i];
+            if (cells.is_periodic[face / 2] || !(g < gap[i])) continue;
             gap[i] = g;
-            neighbour[i] = -1 - side;
+            neighbour[i] = -1 - face;
         }
         // Bodies beyond ring r are farther than r cells: their gap is known to be larger.
         for (std::int64_t ring = 1;; ring = 2 * ring) {

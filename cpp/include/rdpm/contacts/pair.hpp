@@ -1,26 +1,10 @@
-// What a pair is made of: its parameters, what it remembers, and where its partners stand.
+// Where the partners of a pair stand: the box, nearest images, normals, overlaps, levers.
 #pragma once
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
-#include "rdpm/contacts/lubrication.hpp"
-
 namespace rdpm::contacts {
-
-// Rows of the arrays that Python fills (contacts/history.py names the same columns).
-struct PairLaw {
-    double k_n, eta_n, k_t, eta_t, mu;
-    Film film;  // zeros without lubrication
-};
-
-// Ended: the force has vanished, the surfaces still overlap. Doubles, for they live in a row of doubles.
-inline constexpr double kApart = 0, kTouching = 1, kEnded = 2;
-
-struct PairState {
-    double xi[3];  // elongation of the tangential spring
-    double phase, start, end, impact_speed, rebound_speed, max_overlap, overlap, work;
-};
 
 struct Box {
     double size[3];
@@ -58,16 +42,16 @@ inline Geometry sphere_geometry(const Box& box, const double* xi, const double* 
     return g;
 }
 
-// Distance of a centre from side 0..5 (x lower, x upper, y lower, ...); a wall is known as partner -1 - side.
-inline double wall_distance(const Box& box, const double* x, int side) {
-    const int d = side / 2;
-    return side % 2 ? box.size[d] - x[d] : x[d];
+// Distance of a centre from face 0..5 (x lower, x upper, y lower, ...), which is known as partner -1 - face.
+inline double wall_distance(const Box& box, const double* x, int face) {
+    const int d = face / 2;
+    return face % 2 ? box.size[d] - x[d] : x[d];
 }
 
-inline Geometry wall_geometry(const Box& box, const double* x, double a, int side) {
+inline Geometry wall_geometry(const Box& box, const double* x, double a, int face) {
     Geometry g{};
-    g.n[side / 2] = side % 2 ? 1 : -1;
-    g.lever_i = wall_distance(box, x, side);
+    g.n[face / 2] = face % 2 ? 1 : -1;
+    g.lever_i = wall_distance(box, x, face);
     g.overlap = a - g.lever_i;
     return g;
 }

@@ -1,0 +1,122 @@
+"""What runs the pairs of a step: the task it gets, the result it fills."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rdpm.grid import Box
+from rdpm.particles.state import Bodies
+
+from .pair_table import PairTable
+from .rows import Rows
+
+__all__ = ["ContactStep", "ContactTask", "Driver"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass
+class ContactStep:
+    """What contacts and lubrication did in one step.
+
+    Parameters
+    ----------
+    impulse, angular_impulse : ndarray, (N, 3), [N s], [N m s]
+        Given to each body by contacts and lubrication, prescribed bodies included.
+    contact_impulse : ndarray, (N, 3), [N s]
+        The part of ``impulse`` that is contact.
+    min_gap : float, [m]
+        Smallest gap met in the sub-steps; inf where no pair was in interaction range.
+    max_overlap_fraction : float, [-]
+        Largest peak overlap of the contacts of this step, of the smaller diameter.
+    pairs, touching : int
+        Pairs that were resolved, and those still in contact at the end.
+    substeps : int
+        0 where every body flew freely.
+    """
+
+    impulse: Floats
+    angular_impulse: Floats
+    contact_impulse: Floats
+    min_gap: float = inf
+    max_overlap_fraction: float = 0.0
+    pairs: int = 0
+    touching: int = 0
+    substeps: int = 0
+
+
+@dataclass
+class ContactTask:
+    """One step of the bodies that have a pair.
+
+    Parameters
+    ----------
+    bodies : Bodies
+        Position, velocity and angular velocity of the active ones are moved on.
+    box : Box
+    table : PairTable
+        Its states and histories are moved on.
+    radius : ndarray, (N,), [m]
+    active : ndarray of int32, (A,)
+        Bodies that have a pair.
+    rotation : ndarray, (N, 3), [rad]
+        Rotation vector of each body over the step, filled for the active ones.
+    force, torque : ndarray, (N, 3), [N], [N m]
+        Non-contact load, constant over the step.
+    inverse_mass, inverse_moment : ndarray, (N,), [1/kg], [1/(kg m^2)]
+        0 for a prescribed motion.
+    time, dt : float, [s]
+    substeps_per_contact : int
+        Sub-steps to the table's shortest time scale.
+    overlap_limit : float, [-]
+        Of the smaller diameter.
+    """
+
+    bodies: Bodies
+    box: Box
+    table: PairTable
+    radius: Floats
+    active: NDArray[np.int32]
+    rotation: Floats
+    force: Floats
+    torque: Floats
+    inverse_mass: Floats
+    inverse_moment: Floats
+    time: float
+    dt: float
+    substeps_per_contact: int
+    overlap_limit: float
+
+
+class Driver(Protocol):
+    """Moves the bodies of a task over the step and fills the result."""
+
+    @property
+    def parameters(self) -> np.dtype[np.void]:
+        """Row of a pair's parameters."""
+
+    @property
+    def history(self) -> np.dtype[np.void]:
+        """What a pair in contact remembers for its law."""
+
+    def run(self, task: ContactTask, step: ContactStep, record: Callable[[NDArray[np.int32], Rows], None]) -> None:
+        """Change bodies, states and histories of the task, and `step`.
+
+        Parameters
+        ----------
+        task : ContactTask
+        step : ContactStep
+        record : callable
+            Gets the pairs (K, 2) and rows (:data:`rdpm.contacts.episodes.FINISHED`) of contacts that finish.
+
+        Raises
+        ------
+        OverlapError
+            A pair passed the overlap limit; the bodies are left in the middle of the step.
+        """

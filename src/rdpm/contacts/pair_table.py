@@ -1,0 +1,164 @@
+"""The pairs of a step: who they are, what a law knows of them, its parameters, what they remember."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rdpm.grid import Box
+from rdpm.particles.state import Bodies
+
+from .history import STATE
+from .law import PAIR
+from .lubrication import LUBRICATION, Lubrication
+from .rows import Rows
+
+if TYPE_CHECKING:
+    from .law import ContactLaw
+
+__all__ = ["KindParameters", "PairTable", "pairs_of"]
+
+
+def pairs_of(bodies: Bodies, box: Box, ids: NDArray[np.int32]) -> Rows:
+    """What a law may know of these pairs.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    box : Box
+    ids : ndarray of int32, (M, 2)
+        i and j, or -1..-6 for the faces of the box.
+
+    Returns
+    -------
+    ndarray of :data:`rdpm.contacts.PAIR`, (M,)
+        The reduced mass is inf where neither moves freely.
+
+    Examples
+    --------
+    >>> bodies = Bodies(np.array([1.0, 2.0]), np.ones(2), np.array([[2.0, 2.0, 2.0], [2.0, 2.0, 3.5]]))
+    >>> pairs = pairs_of(bodies, Box((4.0, 4.0, 10.0)), np.array([[0, -5], [0, 1]], np.int32))
+    >>> pairs["reduced_radius"].round(3).tolist(), pairs["smaller_diameter"].tolist()
+    ([0.5, 0.333], [1.0, 1.0])
+    """
+    i, j = ids.T
+    wall = j < 0
+    other = np.where(wall, i, j)
+    inverse_mass, curvature = bodies.is_free / bodies.mass, 2.0 / bodies.diameter
+    result = np.empty(len(ids), PAIR)
+    with np.errstate(divide="ignore"):
+        result["reduced_mass"] = 1.0 / (inverse_mass[i] + np.where(wall, 0.0, inverse_mass[other]))
+    result["reduced_radius"] = 1.0 / (curvature[i] + np.where(wall, 0.0, curvature[other]))
+    result["smaller_diameter"] = np.minimum(bodies.diameter[i], bodies.diameter[other])
+    result["is_frictionless"] = wall & box.is_free_slip_face[np.where(wall, -1 - j, 0)]
+    return result
+
+
+class KindParameters:
+    """Parameters by kind of pair: few kinds, many pairs, so the law is asked once a kind.
+
+    Two pairs are of one kind if their bodies are alike in diameter, mass and freedom to move, and walls in friction.
+
+    Parameters
+    ----------
+    bodies : Bodies
+        N spheres; their diameters and masses stay.
+    law : ContactLaw
+    """
+
+    def __init__(self, bodies: Bodies, law: ContactLaw) -> None:
+        self._bodies, self._law = bodies, law
+        alike = np.unique(np.column_stack([bodies.diameter, bodies.mass]), axis=0, return_inverse=True)[1]
+        self._alike: NDArray[np.int64] = alike.reshape(-1).astype(np.int64)
+        self._forget()
+
+    def _forget(self) -> None:
+        self._keys: NDArray[np.int64] = np.empty(0, np.int64)  # rising
+        self._rows: Rows = np.empty(0, self._law.driver.parameters)
+        self._times: NDArray[np.float64] = np.empty(0)
+
+    def of(self, ids: NDArray[np.int32], pairs: Rows) -> tuple[Rows, float]:
+        """Parameters of M >= 1 pairs, (M,), and their smallest time scale [s]."""
+        keys = self._keys_of(ids, pairs)
+        if len(self._keys) > 1000 + 4 * len(ids):
+            self._forget()
+        at = np.searchsorted(self._keys, keys)
+        unknown = np.append(self._keys, -1)[at] != keys
+        if unknown.any():
+            new, first = np.unique(keys[unknown], return_index=True)
+            examples = pairs[unknown][first]
+            self._keys = np.append(self._keys, new)
+            order = np.argsort(self._keys)
+            self._keys = self._keys[order]
+            self._rows = np.append(self._rows, self._law.parameters(examples))[order]
+            self._times = np.append(self._times, self._law.time_scale(examples))[order]
+            at = np.searchsorted(self._keys, keys)
+        return self._rows[at], float(self._times[at].min())
+
+    def _keys_of(self, ids: NDArray[np.int32], pairs: Rows) -> NDArray[np.int64]:
+        i, j = ids.T
+        wall = j < 0
+        body = 2 * self._alike + self._bodies.is_free
+        partner = np.where(wall, pairs["is_frictionless"], 2 + body[np.where(wall, i, j)])
+        keys: NDArray[np.int64] = body[i] * (2 * np.int64(len(self._bodies)) + 2) + partner
+        return keys
+
+
+class PairTable:
+    """M pairs with all that the driver reads and writes of them.
+
+    Parameters
+    ----------
+    ids : ndarray of int32, (M, 2)
+        Sorted by (i, j); j = -1..-6 for the faces of the box.
+    bodies : Bodies
+    box : Box
+    law : ContactLaw
+    kinds : KindParameters
+    lubrication : Lubrication or None
+
+    Attributes
+    ----------
+    pairs : ndarray of :data:`rdpm.contacts.PAIR`, (M,)
+    parameters : ndarray of ``law.driver.parameters``, (M,)
+    lubrication : ndarray of :data:`rdpm.contacts.lubrication.LUBRICATION`, (M,)
+        (0,) without lubrication.
+    state : ndarray of :data:`rdpm.contacts.history.STATE`, (M,)
+        Contact under way; apart until :meth:`rdpm.contacts.history.History.carry_to` fills it.
+    history : ndarray of ``law.driver.history``, (M,)
+        What the law remembers of it.
+    shortest : float, [s]
+        Smallest time scale of the pairs; inf without pairs.
+    """
+
+    def __init__(
+        self,
+        ids: NDArray[np.int32],
+        bodies: Bodies,
+        box: Box,
+        law: ContactLaw,
+        kinds: KindParameters,
+        lubrication: Lubrication | None,
+    ) -> None:
+        self.ids, self._motion = ids.copy(), bodies.motion.copy()
+        self.pairs = pairs_of(bodies, box, ids)
+        self.state, self.history = np.zeros(len(ids), STATE), np.zeros(len(ids), law.driver.history)
+        self.parameters, self.shortest = np.zeros(0, law.driver.parameters), inf
+        self.lubrication = np.zeros(0, LUBRICATION)
+        if not len(ids):
+            return
+        self.parameters, self.shortest = kinds.of(ids, self.pairs)
+        if lubrication:
+            radius, (i, j) = 0.5 * bodies.diameter, ids.T
+            self.lubrication = lubrication.rows(radius[i], np.where(j < 0, inf, radius[np.where(j < 0, i, j)]))
+            self.lubrication[self.pairs["is_frictionless"]] = 0.0
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    def is_of(self, ids: NDArray[np.int32], bodies: Bodies) -> bool:
+        """Whether these are still the pairs, and the same bodies move freely."""
+        return np.array_equal(ids, self.ids) and np.array_equal(bodies.motion, self._motion)

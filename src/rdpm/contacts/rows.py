@@ -1,0 +1,57 @@
+"""Rows that cross the border to the kernels: structured dtypes, compared with the C++ structs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Rows", "as_bytes", "check_layout"]
+
+Rows = NDArray[np.void]
+
+
+def check_layout(dtype: np.dtype[np.void], layout: Mapping[str, Any], name: str) -> None:
+    """Compare a structured dtype with the C++ struct that reads its rows.
+
+    Parameters
+    ----------
+    dtype : dtype
+        Fields of float64 and int64, or arrays of them.
+    layout : mapping
+        ``fields``: name, offset, count and kind ("f" or "i") of each member in order; ``size`` in bytes.
+    name : str
+        Of the rows, for the message.
+
+    Raises
+    ------
+    ImportError
+        They differ: the compiled module belongs to another version.
+
+    Examples
+    --------
+    >>> layout = {"fields": [("xi", 0, 3, "f")], "size": 24}
+    >>> check_layout(np.dtype([("xi", np.float64, (3,))]), layout, "history")
+    >>> check_layout(np.dtype([("xi", np.float64)]), layout, "history")
+    Traceback (most recent call last):
+    ImportError: rows of history: Python has [('xi', 0, 1, 'f')] in 8 bytes, C++ [('xi', 0, 3, 'f')] in 24 bytes
+    """
+    places: Mapping[str, Any] = dtype.fields or {}
+    fields = []
+    for field, (kind, offset) in places.items():
+        fields.append((field, offset, kind.itemsize // kind.base.itemsize, kind.base.kind))
+        if kind.base.itemsize != 8:
+            raise ImportError(f"rows of {name}: {field} must be of 8 bytes")
+    if fields != list(layout["fields"]) or dtype.itemsize != layout["size"]:
+        raise ImportError(
+            f"rows of {name}: Python has {fields} in {dtype.itemsize} bytes, "
+            f"C++ {list(layout['fields'])} in {layout['size']} bytes"
+        )
+
+
+def as_bytes(rows: Rows) -> NDArray[np.uint8]:
+    """View (M,) rows as the (M, itemsize) bytes that the kernels take."""
+    size = rows.dtype.itemsize
+    return rows.view(np.uint8).reshape(len(rows), size) if size else np.empty((len(rows), 0), np.uint8)

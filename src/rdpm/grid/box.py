@@ -1,0 +1,89 @@
+"""The box: its size, what bounds it, and how its walls move."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rdpm.conventions import BOUNDARY_KINDS, FACES, BoundaryKind
+from rdpm.errors import CaseError
+
+__all__ = ["Box"]
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """A box from the origin to ``size``, for fluid and contacts alike.
+
+    Parameters
+    ----------
+    size : tuple of float, (3,), [m]
+        Lx, Ly, Lz; > 0.
+    kinds : tuple of str, (3,)
+        Of the x, y and z pair of faces: "periodic", "wall" (no-slip) or "free-slip". A free-slip face stops bodies as
+        a wall does, but without friction and lubrication.
+    wall_velocity : ndarray, (6, 3), [m/s]
+        Tangential velocity of each face in the order of `rdpm.conventions.FACES`: x_lower, x_upper, y_lower, ...
+
+    Raises
+    ------
+    CaseError
+        A size that is not above zero; an unknown kind; a face moving along its normal.
+
+    Examples
+    --------
+    >>> box = Box((0.1, 0.1, 0.5), ("periodic", "periodic", "wall"))
+    >>> box.is_periodic
+    (True, True, False)
+    >>> box.table[1]
+    array([0.1, 0.1, 0. ])
+    """
+
+    size: tuple[float, float, float]
+    kinds: tuple[BoundaryKind, BoundaryKind, BoundaryKind] = ("wall", "wall", "wall")
+    wall_velocity: NDArray[np.float64] = field(default_factory=lambda: np.zeros((6, 3)))
+
+    def __post_init__(self) -> None:
+        for axis, (length, kind) in enumerate(zip(self.size, self.kinds, strict=True)):
+            if not 0.0 < length < np.inf:
+                raise CaseError(f"box size[{axis}]", length, "must be above 0", cure="Correct this value.")
+            if kind not in BOUNDARY_KINDS:
+                rule = "must be " + " or ".join(f'"{name}"' for name in BOUNDARY_KINDS)
+                raise CaseError(f"box kinds[{axis}]", kind, rule, cure="Choose one of them.")
+        velocity = np.array(self.wall_velocity, dtype=np.float64).reshape(6, 3)
+        object.__setattr__(self, "wall_velocity", velocity)
+        along = velocity[np.arange(6), np.arange(6) // 2]
+        if along.any():
+            face = int(np.flatnonzero(along)[0])
+            raise CaseError(
+                f"box wall_velocity of {FACES[face]}",
+                float(along[face]),
+                "must have no part along the wall's normal",
+                "the box keeps its size",
+                "Give the tangential components only.",
+            )
+
+    @property
+    def is_periodic(self) -> tuple[bool, bool, bool]:
+        """A flag a direction."""
+        x, y, z = (kind == "periodic" for kind in self.kinds)
+        return x, y, z
+
+    @property
+    def is_free_slip_face(self) -> NDArray[np.bool_]:
+        """Faces without shear stress: (6,)."""
+        return np.repeat([kind == "free-slip" for kind in self.kinds], 2)
+
+    @property
+    def volume(self) -> float:
+        """Its volume [m^3]."""
+        return self.size[0] * self.size[1] * self.size[2]
+
+    @cached_property
+    def table(self) -> NDArray[np.float64]:
+        """Size, period (0: not periodic) and the faces' velocities, as the contact kernels read them: (8, 3)."""
+        period = np.where(self.is_periodic, self.size, 0.0)
+        return np.vstack([self.size, period, self.wall_velocity])
