@@ -98,7 +98,7 @@ class MarkerSet:
 
     def keep_force(self, bodies: Bodies, share: float) -> None:
         """Reduce the forces to this share, and store them in the bodies' axes for the next step."""
-        _core.keep_forces(self.first, bodies.orientation, share, self.grid.threads, self.force, self._body_force)
+        _core.store_forces(self.first, bodies.orientation, share, self.grid.threads, self.force, self._body_force)
 
     def interpolate(self, velocity: tuple[Floats, Floats, Floats]) -> Floats:
         """Velocity of the fluid at the markers, (M, 3) [m/s]; the array is used again by the next call."""
@@ -182,7 +182,7 @@ class MarkerSet:
         """
         grid, (near, far), h = self.grid, STAND_BACK, self.h
         solid = [kind == "wall" for kind in grid.boundary]
-        _core.stand_back(
+        _core.exclude_markers(
             grid.size, grid.is_periodic, solid, (near * h, far * h, least, h), close, self.first, self.position,
             bodies.position, 0.5 * bodies.diameter, self.full_volume, grid.threads, self.volume,
         )  # fmt: skip
