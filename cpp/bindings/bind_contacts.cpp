@@ -15,18 +15,17 @@
 #include "rdpm/contacts/substeps.hpp"
 
 namespace nb = nanobind;
-using rdpm::Array;
-using rdpm::checked;
+using rdpm::In;
+using rdpm::InOut;
 namespace contacts = rdpm::contacts;
 
 namespace {
 
-using Reals = Array<const double>;
-using Ints = Array<std::int32_t>;
+using Reals = In<double>;
 
 // box: rows size, period (0: not periodic); then six rows of wall velocities.
 contacts::Box make_box(const Reals& array) {
-    const double* b = checked(array, "box", {8, 3});
+    const double* b = array.checked("box", {8, 3});
     contacts::Box box{};
     for (int d = 0; d < 3; ++d) {
         box.size[d] = b[d];
@@ -37,49 +36,58 @@ contacts::Box make_box(const Reals& array) {
     return box;
 }
 
-std::int64_t rows(const Reals& array) {
-    return array.ndim() > 0 ? static_cast<std::int64_t>(array.shape(0)) : 0;
-}
-
 std::int64_t find_pairs(const Reals& box, const Reals& position, const Reals& velocity, const Reals& force,
                         const Reals& radius, const Reals& inverse_mass, double dt, double margin,
-                        const Ints& cell_start, const Ints& cell_order, const Ints& pairs) {
-    const std::int64_t n = rows(position);
+                        const InOut<std::int32_t>& cell_start, const InOut<std::int32_t>& cell_order,
+                        const InOut<std::int32_t>& pairs) {
+    const std::int64_t n = position.rows("position", {-1, 3});
     const contacts::Box b = make_box(box);
-    const double *x = checked(position, "position", {n, 3}), *v = checked(velocity, "velocity", {n, 3});
-    const double *f = checked(force, "force", {n, 3}), *a = checked(radius, "radius", {n});
-    const double* m = checked(inverse_mass, "inverse_mass", {n});
-    std::int32_t* start = checked(cell_start, "cell_start", {contacts::CellList::most_cells(n) + 1});
-    std::int32_t* order = checked(cell_order, "cell_order", {n});
-    std::int32_t* out = checked(pairs, "pairs", {-1, 2});
-    const auto capacity = static_cast<std::int64_t>(pairs.shape(0));
+    const double *x = position.checked("position", {n, 3}), *v = velocity.checked("velocity", {n, 3});
+    const double *f = force.checked("force", {n, 3}), *a = radius.checked("radius", {n});
+    const double* m = inverse_mass.checked("inverse_mass", {n});
+    std::int32_t* start = cell_start.checked("cell_start", {contacts::CellList::most_cells(n) + 1});
+    std::int32_t* order = cell_order.checked("cell_order", {n});
+    std::int32_t* out = pairs.checked("pairs", {-1, 2});
+    const auto capacity = pairs.rows("pairs", {-1, 2});
     nb::gil_scoped_release unlocked;
     const double range = margin + contacts::travel(v, f, m, n, dt);
     return contacts::find_pairs(b, x, a, m, n, range, start, order, out, capacity);
 }
 
-void nearest_surfaces(const Reals& box, const Reals& position, const Reals& radius, const Ints& cell_start,
-                      const Ints& cell_order, const Array<double>& gap,
-                      const Array<std::int64_t>& neighbour) {
-    const std::int64_t n = rows(position);
+void nearest_surfaces(const Reals& box, const Reals& position, const Reals& radius,
+                      const InOut<std::int32_t>& cell_start, const InOut<std::int32_t>& cell_order,
+                      const InOut<double>& gap, const InOut<std::int64_t>& neighbour) {
+    const std::int64_t n = position.rows("position", {-1, 3});
     const contacts::Box b = make_box(box);
-    const double *x = checked(position, "position", {n, 3}), *a = checked(radius, "radius", {n});
-    std::int32_t* start = checked(cell_start, "cell_start", {contacts::CellList::most_cells(n) + 1});
-    std::int32_t* order = checked(cell_order, "cell_order", {n});
-    double* g = checked(gap, "gap", {n});
-    std::int64_t* j = checked(neighbour, "neighbour", {n});
+    const double *x = position.checked("position", {n, 3}), *a = radius.checked("radius", {n});
+    std::int32_t* start = cell_start.checked("cell_start", {contacts::CellList::most_cells(n) + 1});
+    std::int32_t* order = cell_order.checked("cell_order", {n});
+    double* g = gap.checked("gap", {n});
+    std::int64_t* j = neighbour.checked("neighbour", {n});
     nb::gil_scoped_release unlocked;
     contacts::nearest_surfaces(b, x, a, n, start, order, g, j);
 }
 
 // Rows that cross the border are bytes here; Python compared their dtypes with these structs at import.
-using Bytes = Array<std::uint8_t>;
-using ConstBytes = Array<const std::uint8_t>;
+using Bytes = InOut<std::uint8_t>;
+using ConstBytes = In<std::uint8_t>;
 
-template <class Row, class Array>
-auto* checked_rows(const Array& array, const char* name, std::int64_t n) {
-    using Pointer = std::conditional_t<std::is_same_v<Array, Bytes>, Row*, const Row*>;
-    return reinterpret_cast<Pointer>(checked(array, name, {n, static_cast<std::int64_t>(sizeof(Row))}));
+// A struct's members are read where they lie, so the bytes begin as its values must.
+template <class Byte>
+Byte* checked_bytes(const rdpm::ArrayArgument<Byte>& array, const char* name, std::int64_t n,
+                    std::size_t size) {
+    Byte* data = array.checked(name, {n, static_cast<std::int64_t>(size)});
+    if (reinterpret_cast<std::uintptr_t>(data) % alignof(double) != 0)
+        throw std::invalid_argument(std::string(name) + ": rows must be aligned as doubles");
+    return data;
+}
+template <class Row>
+Row* checked_rows(const Bytes& array, const char* name, std::int64_t n) {
+    return reinterpret_cast<Row*>(checked_bytes(array, name, n, sizeof(Row)));
+}
+template <class Row>
+const Row* checked_rows(const ConstBytes& array, const char* name, std::int64_t n) {
+    return reinterpret_cast<const Row*>(checked_bytes(array, name, n, sizeof(Row)));
 }
 
 nb::dict layout_dict(const contacts::Layout& layout) {
@@ -112,45 +120,56 @@ const contacts::Kernel& kernel_at(std::uintptr_t address) {
     return kernel;
 }
 
+// Ids of bodies; of a pair's second, -1 to -6 for a face.
+const std::int32_t* checked_ids(const In<std::int32_t>& array, const char* name, rdpm::Shape shape,
+                                std::int64_t count, std::int64_t bodies, bool is_pair) {
+    const std::int32_t* id = array.checked(name, shape);
+    for (std::int64_t k = 0; k < count; ++k)
+        if (id[k] >= bodies || id[k] < (is_pair && k % 2 == 1 ? -6 : 0))
+            throw std::invalid_argument(std::string(name) + ": id " + std::to_string(id[k]) +
+                                        " is no body and no face");
+    return id;
+}
+
 std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substeps(
-    const contacts::Kernel& kernel, const Reals& box, const Array<double>& position,
-    const Array<double>& velocity, const Array<double>& angular_velocity, const Array<double>& rotation,
+    const contacts::Kernel& kernel, const Reals& box, const InOut<double>& position,
+    const InOut<double>& velocity, const InOut<double>& angular_velocity, const InOut<double>& rotation,
     const Reals& velocity_increment, const Reals& angular_increment, const Reals& inverse_mass,
-    const Reals& inverse_moment, const Reals& radius, const Array<double>& impulse,
-    const Array<double>& angular_impulse, const Array<double>& contact_impulse,
-    const Array<const std::int32_t>& active, const Array<const std::int32_t>& pairs,
-    const ConstBytes& parameters, const ConstBytes& lubrication, const Bytes& state, const Bytes& history,
-    const Bytes& finished, double time, double h, double overlap_limit, std::int64_t first,
-    std::int64_t last) {
-    const auto n = static_cast<std::int64_t>(position.ndim() > 0 ? position.shape(0) : 0);
-    const auto m = static_cast<std::int64_t>(pairs.ndim() > 0 ? pairs.shape(0) : 0);
-    const contacts::BodyArrays bodies{checked(position, "position", {n, 3}),
-                                      checked(velocity, "velocity", {n, 3}),
-                                      checked(angular_velocity, "angular_velocity", {n, 3}),
-                                      checked(rotation, "rotation", {n, 3}),
-                                      checked(velocity_increment, "velocity_increment", {n, 3}),
-                                      checked(angular_increment, "angular_increment", {n, 3}),
-                                      checked(inverse_mass, "inverse_mass", {n}),
-                                      checked(inverse_moment, "inverse_moment", {n}),
-                                      checked(radius, "radius", {n}),
-                                      checked(impulse, "impulse", {n, 3}),
-                                      checked(angular_impulse, "angular_impulse", {n, 3}),
-                                      checked(contact_impulse, "contact_impulse", {n, 3})};
-    const bool is_wet = lubrication.ndim() > 0 && lubrication.shape(0) > 0;
+    const Reals& inverse_moment, const Reals& radius, const InOut<double>& impulse,
+    const InOut<double>& angular_impulse, const InOut<double>& contact_impulse,
+    const In<std::int32_t>& active, const In<std::int32_t>& pairs, const ConstBytes& parameters,
+    const ConstBytes& lubrication, const Bytes& state, const Bytes& history, const Bytes& finished,
+    double time, double h, double overlap_limit, std::int64_t first, std::int64_t last) {
+    const auto n = position.rows("position", {-1, 3});
+    const auto m = pairs.rows("pairs", {-1, 2});
+    const auto actives = active.rows("active", {-1});
+    const contacts::BodyArrays bodies{position.checked("position", {n, 3}),
+                                      velocity.checked("velocity", {n, 3}),
+                                      angular_velocity.checked("angular_velocity", {n, 3}),
+                                      rotation.checked("rotation", {n, 3}),
+                                      velocity_increment.checked("velocity_increment", {n, 3}),
+                                      angular_increment.checked("angular_increment", {n, 3}),
+                                      inverse_mass.checked("inverse_mass", {n}),
+                                      inverse_moment.checked("inverse_moment", {n}),
+                                      radius.checked("radius", {n}),
+                                      impulse.checked("impulse", {n, 3}),
+                                      angular_impulse.checked("angular_impulse", {n, 3}),
+                                      contact_impulse.checked("contact_impulse", {n, 3})};
+    const bool is_wet = lubrication.rows("lubrication", {-1, sizeof(contacts::LubricationRow)}) > 0;
     const contacts::PairArrays rows_of_pairs{
-        checked(pairs, "pairs", {m, 2}),
-        checked(parameters, "parameters", {m, static_cast<std::int64_t>(kernel.parameters.size)}),
+        checked_ids(pairs, "pairs", {m, 2}, 2 * m, n, true),
+        checked_bytes(parameters, "parameters", m, kernel.parameters.size),
         is_wet ? checked_rows<contacts::LubricationRow>(lubrication, "lubrication", m) : nullptr,
         checked_rows<contacts::ContactState>(state, "state", m),
-        checked(history, "history", {m, static_cast<std::int64_t>(kernel.history.size)}),
+        checked_bytes(history, "history", m, kernel.history.size),
         m};
     const contacts::SubstepTask task{bodies,
                                      make_box(box),
-                                     checked(active, "active", {-1}),
-                                     static_cast<std::int64_t>(active.shape(0)),
+                                     checked_ids(active, "active", {-1}, actives, n, false),
+                                     actives,
                                      rows_of_pairs,
                                      checked_rows<contacts::Finished>(finished, "finished", -1),
-                                     static_cast<std::int64_t>(finished.shape(0)),
+                                     finished.rows("finished", {-1, sizeof(contacts::Finished)}),
                                      time,
                                      h,
                                      overlap_limit,
@@ -161,22 +180,22 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
     return {p.next, p.finished, p.failed, p.min_gap, p.max_overlap};
 }
 
-void end_step(const Reals& box, const Array<double>& position, const Array<double>& velocity,
-              const Array<double>& angular_velocity, const Array<double>& orientation,
-              const Array<std::int64_t>& crossings, const Array<double>& rotation, const Reals& force,
+void end_step(const Reals& box, const InOut<double>& position, const InOut<double>& velocity,
+              const InOut<double>& angular_velocity, const InOut<double>& orientation,
+              const InOut<std::int64_t>& crossings, const InOut<double>& rotation, const Reals& force,
               const Reals& torque, const Reals& inverse_mass, const Reals& inverse_moment,
-              const Array<const bool>& is_active, double dt) {
-    const auto n = static_cast<std::int64_t>(position.ndim() > 0 ? position.shape(0) : 0);
+              const In<bool>& is_active, double dt) {
+    const auto n = position.rows("position", {-1, 3});
     const contacts::Box b = make_box(box);
-    double *x = checked(position, "position", {n, 3}), *v = checked(velocity, "velocity", {n, 3});
-    double *w = checked(angular_velocity, "angular_velocity", {n, 3}),
-           *q = checked(orientation, "orientation", {n, 4});
-    std::int64_t* crossed = checked(crossings, "crossings", {n, 3});
-    double* r = checked(rotation, "rotation", {n, 3});
-    const double *f = checked(force, "force", {n, 3}), *t = checked(torque, "torque", {n, 3});
-    const double *m = checked(inverse_mass, "inverse_mass", {n}),
-                 *i = checked(inverse_moment, "inverse_moment", {n});
-    const bool* moved = checked(is_active, "is_active", {n});
+    double *x = position.checked("position", {n, 3}), *v = velocity.checked("velocity", {n, 3});
+    double *w = angular_velocity.checked("angular_velocity", {n, 3}),
+           *q = orientation.checked("orientation", {n, 4});
+    std::int64_t* crossed = crossings.checked("crossings", {n, 3});
+    double* r = rotation.checked("rotation", {n, 3});
+    const double *f = force.checked("force", {n, 3}), *t = torque.checked("torque", {n, 3});
+    const double *m = inverse_mass.checked("inverse_mass", {n}),
+                 *i = inverse_moment.checked("inverse_moment", {n});
+    const bool* moved = is_active.checked("is_active", {n});
     nb::gil_scoped_release unlocked;
     for (std::int64_t k = 0; k < n; ++k) {
         if (!moved[k])
@@ -186,25 +205,22 @@ void end_step(const Reals& box, const Array<double>& position, const Array<doubl
 }
 
 void lubrication_resistance(const Reals& gap, const ConstBytes& lubrication,
-                            const Array<double>& resistance) {
-    const std::int64_t n = rows(gap);
-    const double* g = checked(gap, "gap", {n});
-    double* out = checked(resistance, "resistance", {n});
+                            const InOut<double>& resistance) {
+    const std::int64_t n = gap.rows("gap", {-1});
+    const double* g = gap.checked("gap", {n});
+    double* out = resistance.checked("resistance", {n});
     const auto* row = checked_rows<contacts::LubricationRow>(lubrication, "lubrication", 1);
     for (std::int64_t k = 0; k < n; ++k) out[k] = row->resistance(g[k]);
 }
 
 }  // namespace
 
-// What is written to must be the caller's own array, never a converted copy: noconvert.
 void bind_contacts(nb::module_& module) {
     module.def("find_pairs", &find_pairs, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
                nb::arg("force"), nb::arg("radius"), nb::arg("inverse_mass"), nb::arg("dt"), nb::arg("margin"),
-               nb::arg("cell_start").noconvert(), nb::arg("cell_order").noconvert(),
-               nb::arg("pairs").noconvert());
+               nb::arg("cell_start"), nb::arg("cell_order"), nb::arg("pairs"));
     module.def("nearest_surfaces", &nearest_surfaces, nb::arg("box"), nb::arg("position"), nb::arg("radius"),
-               nb::arg("cell_start").noconvert(), nb::arg("cell_order").noconvert(),
-               nb::arg("gap").noconvert(), nb::arg("neighbour").noconvert());
+               nb::arg("cell_start"), nb::arg("cell_order"), nb::arg("gap"), nb::arg("neighbour"));
     nb::class_<contacts::Kernel>(module, "ContactKernel",
                                  "A driver compiled for one contact law, and the rows of that law.")
         .def_static("at", &kernel_at, nb::arg("address"), nb::rv_policy::reference)
@@ -212,20 +228,17 @@ void bind_contacts(nb::module_& module) {
         .def_prop_ro("history", [](const contacts::Kernel& k) { return layout_dict(k.history); });
     module.def("soft_sphere_kernel", [] { return &soft_sphere; }, nb::rv_policy::reference);
     module.def("contact_layouts", &contact_layouts);
-    module.def(
-        "run_substeps", &run_substeps, nb::arg("kernel"), nb::arg("box"), nb::arg("position").noconvert(),
-        nb::arg("velocity").noconvert(), nb::arg("angular_velocity").noconvert(),
-        nb::arg("rotation").noconvert(), nb::arg("velocity_increment"), nb::arg("angular_increment"),
-        nb::arg("inverse_mass"), nb::arg("inverse_moment"), nb::arg("radius"), nb::arg("impulse").noconvert(),
-        nb::arg("angular_impulse").noconvert(), nb::arg("contact_impulse").noconvert(), nb::arg("active"),
-        nb::arg("pairs"), nb::arg("parameters").noconvert(), nb::arg("lubrication").noconvert(),
-        nb::arg("state").noconvert(), nb::arg("history").noconvert(), nb::arg("finished").noconvert(),
-        nb::arg("time"), nb::arg("h"), nb::arg("overlap_limit"), nb::arg("first"), nb::arg("last"));
-    module.def("end_step", &end_step, nb::arg("box"), nb::arg("position").noconvert(),
-               nb::arg("velocity").noconvert(), nb::arg("angular_velocity").noconvert(),
-               nb::arg("orientation").noconvert(), nb::arg("crossings").noconvert(),
-               nb::arg("rotation").noconvert(), nb::arg("force"), nb::arg("torque"), nb::arg("inverse_mass"),
-               nb::arg("inverse_moment"), nb::arg("is_active"), nb::arg("dt"));
-    module.def("lubrication_resistance", &lubrication_resistance, nb::arg("gap"),
-               nb::arg("lubrication").noconvert(), nb::arg("resistance").noconvert());
+    module.def("run_substeps", &run_substeps, nb::arg("kernel"), nb::arg("box"), nb::arg("position"),
+               nb::arg("velocity"), nb::arg("angular_velocity"), nb::arg("rotation"),
+               nb::arg("velocity_increment"), nb::arg("angular_increment"), nb::arg("inverse_mass"),
+               nb::arg("inverse_moment"), nb::arg("radius"), nb::arg("impulse"), nb::arg("angular_impulse"),
+               nb::arg("contact_impulse"), nb::arg("active"), nb::arg("pairs"), nb::arg("parameters"),
+               nb::arg("lubrication"), nb::arg("state"), nb::arg("history"), nb::arg("finished"),
+               nb::arg("time"), nb::arg("h"), nb::arg("overlap_limit"), nb::arg("first"), nb::arg("last"));
+    module.def("end_step", &end_step, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
+               nb::arg("angular_velocity"), nb::arg("orientation"), nb::arg("crossings"), nb::arg("rotation"),
+               nb::arg("force"), nb::arg("torque"), nb::arg("inverse_mass"), nb::arg("inverse_moment"),
+               nb::arg("is_active"), nb::arg("dt"));
+    module.def("lubrication_resistance", &lubrication_resistance, nb::arg("gap"), nb::arg("lubrication"),
+               nb::arg("resistance"));
 }

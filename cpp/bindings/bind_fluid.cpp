@@ -1,6 +1,5 @@
 // Fluid: the grid's description and the loops of one step.
 #include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/tuple.h>
 
@@ -13,132 +12,155 @@
 #include "rdpm/fluid/projection.hpp"
 
 namespace nb = nanobind;
+using namespace nb::literals;
 using namespace rdpm;
 
 namespace {
 
-using Field = Array<double>;
+using Triple = std::array<double, 3>;
 
-double* field(const Grid& g, const Field& array, const char* name) {
-    return checked(array, name, {g.nz() + 2, g.ny() + 2, g.nx() + 2});
+void make_grid(Grid* g, const std::array<int, 3>& cells, const Triple& spacing,
+               const std::array<int, 3>& boundary, const std::array<double, 18>& side_speed, int threads) {
+    double values = 1.0;
+    for (int d = 0; d < 3; ++d) {
+        require(cells[d] >= 4 && spacing[d] > 0.0 && boundary[d] >= 0 && boundary[d] <= 2,
+                "grid: at least 4 cells, spacing > 0, boundary 0 to 2 a direction");
+        require(cells[d] <= most_cells, "grid: at most 2^29 cells a direction");
+        values *= cells[d] + 2.0;
+    }
+    require(values < 1e18, "grid: a field's size in bytes must be a 64-bit number");
+    require(threads >= 1, "grid: threads must be at least 1");
+    new (g) Grid{cells, spacing, boundary, side_speed, threads};
 }
 
-VelocityArrays velocity(const Grid& g, const Field& u, const Field& v, const Field& w, const char* name) {
-    const std::string n = name;
-    return {field(g, u, (n + " u").c_str()), field(g, v, (n + " v").c_str()),
-            field(g, w, (n + " w").c_str())};
-}
-
-void momentum_explicit(const Grid& g, const Field& u, const Field& v, const Field& w, const Field& ru,
-                       const Field& rv, const Field& rw, const Field& p, double dt, double now, double then,
-                       double nu, const std::array<double, 3>& force, const Field& scratch) {
-    const auto q = velocity(g, u, v, w, "velocity"), stored = velocity(g, ru, rv, rw, "stored tendency");
-    const double* pressure = field(g, p, "pressure");
-    double* planes = checked(scratch, "scratch", {-1});
-    if (scratch.size() < 9 * g.plane() * g.threads)
-        throw std::invalid_argument("scratch: needs 9 planes a thread");
+void momentum_explicit(const Grid& g, const InOut<double>& u, const InOut<double>& v, const InOut<double>& w,
+                       const InOut<double>& tendency_u, const InOut<double>& tendency_v,
+                       const InOut<double>& tendency_w, const In<double>& p, double dt, double now,
+                       double then, double nu, const Triple& force, const InOut<double>& scratch) {
+    const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")},
+        stored{field(g, tendency_u, "tendency_u"), field(g, tendency_v, "tendency_v"),
+               field(g, tendency_w, "tendency_w")};
+    const double* pressure = field(g, p, "p");
+    double* planes = scratch.checked("scratch", {-1});
+    require(static_cast<std::size_t>(scratch.rows("scratch", {-1})) >= 9 * g.plane() * g.threads,
+            "scratch: needs 9 planes a thread");
     nb::gil_scoped_release released;
     momentum<true>(g, q, stored, {}, pressure, {dt, now, then, nu, {force[0], force[1], force[2]}}, planes);
 }
 
-void momentum_rate(const Grid& g, const Field& u, const Field& v, const Field& w, const Field& ru,
-                   const Field& rv, const Field& rw, const Field& mu, const Field& mv, const Field& mw,
-                   const Field& p, double now, double then, double nu, const std::array<double, 3>& force) {
-    const auto q = velocity(g, u, v, w, "velocity"), stored = velocity(g, ru, rv, rw, "stored tendency"),
-               rate = velocity(g, mu, mv, mw, "rate");
-    const double* pressure = field(g, p, "pressure");
+void momentum_rate(const Grid& g, const In<double>& u, const In<double>& v, const In<double>& w,
+                   const InOut<double>& tendency_u, const InOut<double>& tendency_v,
+                   const InOut<double>& tendency_w, const InOut<double>& rate_u, const InOut<double>& rate_v,
+                   const InOut<double>& rate_w, const In<double>& p, double now, double then, double nu,
+                   const Triple& force) {
+    const VelocityView q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
+    const VelocityArrays stored{field(g, tendency_u, "tendency_u"), field(g, tendency_v, "tendency_v"),
+                                field(g, tendency_w, "tendency_w")},
+        rate{field(g, rate_u, "rate_u"), field(g, rate_v, "rate_v"), field(g, rate_w, "rate_w")};
+    const double* pressure = field(g, p, "p");
     nb::gil_scoped_release released;
     momentum<false>(g, q, stored, rate, pressure, {0.0, now, then, nu, {force[0], force[1], force[2]}},
                     nullptr);
 }
 
-void diffuse_stabilised(const Grid& g, const Field& q, const Field& rate, int component, double dt, double nu,
-                        int stages, const Field& scratch) {
-    double* target = field(g, q, "velocity");
-    double* source = field(g, rate, "rate");
-    double* planes = checked(scratch, "scratch", {-1});
-    if (stages < 2 || component < 0 || component > 2)
-        throw std::invalid_argument("stages must be >= 2, component 0 to 2");
-    if (scratch.size() < 3 * (stages - 2) * g.plane() * g.threads)
-        throw std::invalid_argument("scratch: needs 3 (stages - 2) planes a thread");
+void diffuse_stabilised(const Grid& g, const InOut<double>& velocity, const InOut<double>& rate,
+                        int component, double dt, double nu, int stages, const InOut<double>& scratch) {
+    double *target = field(g, velocity, "velocity"), *source = field(g, rate, "rate");
+    double* planes = scratch.checked("scratch", {-1});
+    require(component >= 0 && component <= 2, "component: must be 0 to 2");
+    require(stages >= 2 && stages <= most_stages, "stages: must be 2 to 10000");
+    require(
+        static_cast<std::size_t>(scratch.rows("scratch", {-1})) >= 3 * (stages - 2) * g.plane() * g.threads,
+        "scratch: needs 3 (stages - 2) planes a thread");
     const auto coefficients = legendre_stages(stages, dt);
     nb::gil_scoped_release released;
     stabilised_diffusion(g, target, source, component, nu, coefficients, planes);
 }
 
-std::tuple<double, double> project(Projection& projection, const Grid& g, const Field& u, const Field& v,
-                                   const Field& w, const Field& p, const Field& phi, double dt,
-                                   double rotational) {
-    const auto q = velocity(g, u, v, w, "velocity");
-    double *pressure = field(g, p, "pressure"), *increment = field(g, phi, "pressure increment");
+// A solver is of one grid: its arrays hold that many cells.
+void require_same(const Grid& g, const Projection& projection) {
+    require(g.is_like(projection.grid()), "grid: the projection was made for another one");
+}
+
+std::tuple<double, double> project(Projection& projection, const Grid& g, const InOut<double>& u,
+                                   const InOut<double>& v, const InOut<double>& w, const InOut<double>& p,
+                                   const InOut<double>& increment, double dt, double rotational) {
+    require_same(g, projection);
+    const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
+    double *pressure = field(g, p, "p"), *phi = field(g, increment, "increment");
     nb::gil_scoped_release released;
-    const FlowMeasures m = projection.project(q, pressure, increment, dt, rotational);
+    const FlowMeasures m = projection.project(q, pressure, phi, dt, rotational);
     return {m.cfl_rate, m.square_sum};
+}
+
+void solve(Projection& projection, const Grid& g, const InOut<double>& phi) {
+    require_same(g, projection);
+    double* values = field(g, phi, "phi");
+    nb::gil_scoped_release released;
+    projection.solve(values);
+}
+
+void fill_field_halo(const Grid& g, const InOut<double>& values, int location) {
+    double* q = field(g, values, "field");
+    require(location >= face_x && location <= centre, "location: must be 0 to 3");
+    nb::gil_scoped_release released;
+    fill_halo(g, q, location);
+}
+
+double divergence(const Grid& g, const In<double>& u, const In<double>& v, const In<double>& w) {
+    const VelocityView q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
+    nb::gil_scoped_release released;
+    return largest_divergence(g, q);
+}
+
+void values_at_centres(const Grid& g, const In<double>& u, const In<double>& v, const In<double>& w,
+                       const In<double>& p, double density, const InOut<float>& velocity,
+                       const InOut<float>& pressure) {
+    const VelocityView q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
+    const double* values = field(g, p, "p");
+    float* out = velocity.checked("velocity", {g.nz(), g.ny(), g.nx(), 3});
+    float* out_p = pressure.checked("pressure", {g.nz(), g.ny(), g.nx()});
+    nb::gil_scoped_release released;
+    cell_values(g, q, values, density, out, out_p);
+}
+
+nb::typed<nb::dict, nb::str, nb::object> build_info() {
+    nb::dict info;
+    info["compiler"] = __VERSION__;
+#if defined(__AVX512F__)
+    info["simd"] = "AVX-512";
+#elif defined(__AVX2__)
+    info["simd"] = "AVX2";
+#elif defined(__ARM_NEON)
+    info["simd"] = "NEON";
+#else
+    info["simd"] = "baseline";
+#endif
+    info["openmp"] = _OPENMP;
+    return nb::borrow<nb::typed<nb::dict, nb::str, nb::object>>(info);
 }
 
 }  // namespace
 
 void bind_fluid(nb::module_& module) {
     nb::class_<Grid>(module, "Grid", "Cells, spacings, boundaries and side speeds, as the loops read them.")
-        .def(
-            "__init__",
-            [](Grid* g, const std::array<int, 3>& cells, const std::array<double, 3>& spacing,
-               const std::array<int, 3>& boundary, const std::array<double, 18>& side_speed, int threads) {
-                for (int d = 0; d < 3; ++d)
-                    if (cells[d] < 4 || !(spacing[d] > 0.0) || boundary[d] < 0 || boundary[d] > 2)
-                        throw std::invalid_argument(
-                            "grid: at least 4 cells, spacing > 0, boundary 0 to 2 a direction");
-                if (threads < 1) throw std::invalid_argument("grid: threads must be at least 1");
-                new (g) Grid{cells, spacing, boundary, side_speed, threads};
-            },
-            nb::arg("cells"), nb::arg("spacing"), nb::arg("boundary"), nb::arg("side_speed"),
-            nb::arg("threads"));
+        .def("__init__", &make_grid, "cells"_a, "spacing"_a, "boundary"_a, "side_speed"_a, "threads"_a);
     nb::class_<Projection>(module, "Projection", "The streamed Poisson solve and the velocity's correction.")
-        .def(nb::init<const Grid&>(), nb::arg("grid"))
-        .def("project", &project)
-        .def("solve",
-             [](Projection& self, const Grid& g, const Field& phi) {
-                 double* values = field(g, phi, "phi");
-                 nb::gil_scoped_release released;
-                 self.solve(values);
-             })
+        .def(nb::init<const Grid&>(), "grid"_a)
+        .def("project", &project, "grid"_a, "u"_a, "v"_a, "w"_a, "p"_a, "increment"_a, "dt"_a, "rotational"_a)
+        .def("solve", &solve, "grid"_a, "phi"_a)
         .def_prop_ro("bytes", &Projection::bytes);
-    module.def("momentum_explicit", &momentum_explicit);
-    module.def("momentum_rate", &momentum_rate);
-    module.def("diffuse_stabilised", &diffuse_stabilised);
-    module.def("fill_halo", [](const Grid& g, const Field& q, int location) {
-        double* values = field(g, q, "field");
-        nb::gil_scoped_release released;
-        fill_halo(g, values, location);
-    });
-    module.def("largest_divergence", [](const Grid& g, const Field& u, const Field& v, const Field& w) {
-        const auto q = velocity(g, u, v, w, "velocity");
-        nb::gil_scoped_release released;
-        return largest_divergence(g, q);
-    });
-    module.def("cell_values",
-               [](const Grid& g, const Field& u, const Field& v, const Field& w, const Field& p,
-                  double density, const Array<float>& vel, const Array<float>& pressure) {
-                   const auto q = velocity(g, u, v, w, "velocity");
-                   const double* values = field(g, p, "pressure");
-                   float* out = checked(vel, "velocity out", {g.nz(), g.ny(), g.nx(), 3});
-                   float* out_p = checked(pressure, "pressure out", {g.nz(), g.ny(), g.nx()});
-                   nb::gil_scoped_release released;
-                   cell_values(g, q, values, density, out, out_p);
-               });
-    module.def("build_info", [] {
-        nb::dict info;
-        info["compiler"] = __VERSION__;
-#if defined(__AVX512F__)
-        info["simd"] = "AVX-512";
-#elif defined(__AVX2__)
-        info["simd"] = "AVX2";
-#elif defined(__ARM_NEON)
-        info["simd"] = "NEON";
-#else
-        info["simd"] = "baseline";
-#endif
-        info["openmp"] = _OPENMP;
-        return info;
-    });
+    module.def("momentum_explicit", &momentum_explicit, "grid"_a, "u"_a, "v"_a, "w"_a, "tendency_u"_a,
+               "tendency_v"_a, "tendency_w"_a, "p"_a, "dt"_a, "now"_a, "then"_a, "nu"_a, "force"_a,
+               "scratch"_a);
+    module.def("momentum_rate", &momentum_rate, "grid"_a, "u"_a, "v"_a, "w"_a, "tendency_u"_a, "tendency_v"_a,
+               "tendency_w"_a, "rate_u"_a, "rate_v"_a, "rate_w"_a, "p"_a, "now"_a, "then"_a, "nu"_a,
+               "force"_a);
+    module.def("diffuse_stabilised", &diffuse_stabilised, "grid"_a, "velocity"_a, "rate"_a, "component"_a,
+               "dt"_a, "nu"_a, "stages"_a, "scratch"_a);
+    module.def("fill_halo", &fill_field_halo, "grid"_a, "field"_a, "location"_a);
+    module.def("largest_divergence", &divergence, "grid"_a, "u"_a, "v"_a, "w"_a);
+    module.def("cell_values", &values_at_centres, "grid"_a, "u"_a, "v"_a, "w"_a, "p"_a, "density"_a,
+               "velocity"_a, "pressure"_a);
+    module.def("build_info", &build_info);
 }

@@ -148,6 +148,10 @@ def test_a_shift_over_a_periodic_side_changes_nothing(seed: int, shift) -> None:
     found = interpolate(grid, markers_at(grid, np.ascontiguousarray(there)), u)
     # The delta's square root turns a rounding of the position, 1e-16, into its root at the edge of the support.
     np.testing.assert_allclose(found, interpolate(grid, markers_at(grid, position), u), atol=1e-6)
+    given = [[grid.zeros() for _ in range(3)] for _ in range(2)]
+    for at, target in zip((there, position), given, strict=True):
+        markers_at(grid, np.ascontiguousarray(at)).spread(grid.core, *target, u[0][1:2, 1:4, 1:4][0], np.ones(20), 1.0)
+    np.testing.assert_allclose(given[0], given[1], atol=1e-6)
 
 
 @settings(max_examples=15, deadline=None)

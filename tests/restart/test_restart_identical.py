@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from restart_cases import assert_equal_runs, case_of, run_until, run_whole
 
-from rdpm.contacts.history import TOUCHING
+from rdpm.contacts.rows import TOUCHING
 from rdpm.io.checkpoint import read_checkpoint
 from rdpm.runs.runner import run_case
 

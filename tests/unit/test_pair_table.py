@@ -3,8 +3,9 @@
 import numpy as np
 
 from rdpm.contacts import Lubrication, SoftSphere
-from rdpm.contacts.history import APART, TOUCHING, History
+from rdpm.contacts.history import History
 from rdpm.contacts.pair_table import KindParameters, PairTable, pairs_of
+from rdpm.contacts.rows import APART, TOUCHING
 from rdpm.grid import Box
 from rdpm.particles.state import PRESCRIBED, Bodies
 

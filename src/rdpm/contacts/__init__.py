@@ -7,9 +7,10 @@ motion over one time step) and ``contacts.py`` (what holds them together).
 from rdpm.contacts.contacts import Contacts
 from rdpm.contacts.driver import ContactStep
 from rdpm.contacts.episodes import EPISODE
-from rdpm.contacts.law import PAIR, ContactLaw
+from rdpm.contacts.law import ContactLaw
 from rdpm.contacts.lubrication import Lubrication
 from rdpm.contacts.neighbours import nearest_gaps
+from rdpm.contacts.rows import PAIR
 from rdpm.contacts.soft_sphere import SoftSphere
 from rdpm.contacts.substeps import SubstepDriver
 

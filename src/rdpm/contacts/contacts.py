@@ -15,12 +15,12 @@ from rdpm.particles.state import Bodies
 
 from .driver import ContactStep, ContactTask
 from .episodes import EPISODE, Episodes
-from .history import TOUCHING, History
+from .history import History
 from .law import ContactLaw
 from .lubrication import Lubrication
 from .neighbours import Neighbours, gaps_and_rates
 from .pair_table import KindParameters, PairTable, pairs_of
-from .rows import Rows
+from .rows import TOUCHING, Rows
 
 __all__ = ["Contacts"]
 

@@ -2,37 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm import _core
+from .pair_table import PairTable
+from .rows import APART, STATE, Rows
 
-from .rows import Rows, check_layout
-
-if TYPE_CHECKING:
-    from .pair_table import PairTable
-
-__all__ = ["APART", "ENDED", "STATE", "TOUCHING", "History"]
-
-APART, TOUCHING, ENDED = 0, 1, 2
-
-STATE = np.dtype(
-    [("phase", np.int64)]
-    + [
-        (name, np.float64)
-        for name in ("start", "end", "impact_speed", "rebound_speed", "max_overlap", "overlap", "work")
-    ]
-)
-"""A contact, whatever its law.
-
-``phase``: :data:`APART`, :data:`TOUCHING`, or :data:`ENDED` (the force has vanished, the surfaces still overlap);
-``start``, ``end`` [s] of the force; ``impact_speed``, ``rebound_speed`` [m/s]; ``max_overlap`` [-] of the smaller
-diameter; ``overlap`` [m] now; ``work`` [J] of the contact force.
-"""
-check_layout(STATE, _core.contact_layouts()["state"], "contact states")
-
+__all__ = ["History"]
 
 class History:
     """Rows of the pairs in contact, sorted by (i, j).

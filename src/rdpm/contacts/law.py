@@ -6,33 +6,15 @@ class, which gives the parameters of each pair and names the driver compiled ove
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .driver import Driver
 from .rows import Rows
 
-if TYPE_CHECKING:
-    from .driver import Driver
-
-__all__ = ["PAIR", "ContactLaw"]
-
-PAIR = np.dtype(
-    [
-        ("reduced_mass", np.float64),
-        ("reduced_radius", np.float64),
-        ("smaller_diameter", np.float64),
-        ("is_frictionless", np.bool_),
-    ]
-)
-r"""What a law may know of a pair.
-
-``reduced_mass`` :math:`(1/m_i+1/m_j)^{-1}` [kg], the body's own mass against a wall or a body of prescribed motion;
-``reduced_radius`` :math:`a_ia_j/(a_i+a_j)` [m], the body's radius against a wall; ``smaller_diameter`` [m];
-``is_frictionless``: a free-slip face, which pushes along its normal alone.
-"""
-
+__all__ = ["ContactLaw"]
 
 class ContactLaw(Protocol):
     """Parameters of each pair, and the driver that reads them."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import inf
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,15 +11,29 @@ from numpy.typing import NDArray
 from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
-from .history import STATE
-from .law import PAIR
 from .lubrication import LUBRICATION, Lubrication
-from .rows import Rows
-
-if TYPE_CHECKING:
-    from .law import ContactLaw
+from .rows import PAIR, STATE, Rows
 
 __all__ = ["KindParameters", "PairTable", "pairs_of"]
+
+
+class _RowTypes(Protocol):
+    @property
+    def parameters(self) -> np.dtype[np.void]: ...
+
+    @property
+    def history(self) -> np.dtype[np.void]: ...
+
+
+class _Law(Protocol):
+    """What a table takes of a :class:`rdpm.contacts.law.ContactLaw`."""
+
+    @property
+    def driver(self) -> _RowTypes: ...
+
+    def parameters(self, pairs: Rows) -> Rows: ...
+
+    def time_scale(self, pairs: Rows) -> NDArray[np.float64]: ...
 
 
 def pairs_of(bodies: Bodies, box: Box, ids: NDArray[np.int32]) -> Rows:
@@ -69,7 +83,7 @@ class KindParameters:
     law : ContactLaw
     """
 
-    def __init__(self, bodies: Bodies, law: ContactLaw) -> None:
+    def __init__(self, bodies: Bodies, law: _Law) -> None:
         self._bodies, self._law = bodies, law
         alike = np.unique(np.column_stack([bodies.diameter, bodies.mass]), axis=0, return_inverse=True)[1]
         self._alike: NDArray[np.int64] = alike.reshape(-1).astype(np.int64)
@@ -126,7 +140,7 @@ class PairTable:
     parameters : ndarray of ``law.driver.parameters``, (M,)
     lubrication : ndarray of :data:`rdpm.contacts.lubrication.LUBRICATION`, (M,)
         (0,) without lubrication.
-    state : ndarray of :data:`rdpm.contacts.history.STATE`, (M,)
+    state : ndarray of :data:`rdpm.contacts.rows.STATE`, (M,)
         Contact under way; apart until :meth:`rdpm.contacts.history.History.carry_to` fills it.
     history : ndarray of ``law.driver.history``, (M,)
         What the law remembers of it.
@@ -139,7 +153,7 @@ class PairTable:
         ids: NDArray[np.int32],
         bodies: Bodies,
         box: Box,
-        law: ContactLaw,
+        law: _Law,
         kinds: KindParameters,
         lubrication: Lubrication | None,
     ) -> None:

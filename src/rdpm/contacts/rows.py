@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Rows", "as_bytes", "check_layout"]
+from rdpm import _core
+
+__all__ = ["APART", "ENDED", "PAIR", "STATE", "TOUCHING", "Rows", "as_bytes", "check_layout"]
 
 Rows = NDArray[np.void]
 
@@ -55,3 +57,36 @@ def as_bytes(rows: Rows) -> NDArray[np.uint8]:
     """View (M,) rows as the (M, itemsize) bytes that the kernels take."""
     size = rows.dtype.itemsize
     return rows.view(np.uint8).reshape(len(rows), size) if size else np.empty((len(rows), 0), np.uint8)
+
+
+PAIR = np.dtype(
+    [
+        ("reduced_mass", np.float64),
+        ("reduced_radius", np.float64),
+        ("smaller_diameter", np.float64),
+        ("is_frictionless", np.bool_),
+    ]
+)
+r"""What a law may know of a pair.
+
+``reduced_mass`` :math:`(1/m_i+1/m_j)^{-1}` [kg], the body's own mass against a wall or a body of prescribed motion;
+``reduced_radius`` :math:`a_ia_j/(a_i+a_j)` [m], the body's radius against a wall; ``smaller_diameter`` [m];
+``is_frictionless``: a free-slip face, which pushes along its normal alone.
+"""
+
+APART, TOUCHING, ENDED = 0, 1, 2
+
+STATE = np.dtype(
+    [("phase", np.int64)]
+    + [
+        (name, np.float64)
+        for name in ("start", "end", "impact_speed", "rebound_speed", "max_overlap", "overlap", "work")
+    ]
+)
+"""A contact, whatever its law.
+
+``phase``: :data:`APART`, :data:`TOUCHING`, or :data:`ENDED` (the force has vanished, the surfaces still overlap);
+``start``, ``end`` [s] of the force; ``impact_speed``, ``rebound_speed`` [m/s]; ``max_overlap`` [-] of the smaller
+diameter; ``overlap`` [m] now; ``work`` [J] of the contact force.
+"""
+check_layout(STATE, _core.contact_layouts()["state"], "contact states")

@@ -99,7 +99,7 @@ class MarkerSet:
 
     def store_force(self, orientation: Floats, retained: float) -> None:
         """Relax the forces to this fraction, and store them in the bodies' axes for the next step."""
-        _core.keep_forces(self.first, orientation, retained, self.grid.threads, self.force, self._body_force)
+        _core.store_forces(self.first, orientation, retained, self.grid.threads, self.force, self._body_force)
 
     def interpolate(self, velocity: tuple[Floats, Floats, Floats]) -> Floats:
         """Velocity of the fluid at the markers, (M, 3) [m/s]; the array is used again by the next call."""
@@ -184,7 +184,7 @@ class MarkerSet:
         """
         grid, c, h = self.grid, self.calibration, self.h
         solid = [kind == "wall" for kind in grid.boundary]
-        _core.stand_back(
+        _core.exclude_markers(
             grid.size, grid.is_periodic, solid, (c.exclusion_near * h, c.exclusion_far * h, least, h), close,
             self.first, self.position, bodies.position, 0.5 * bodies.diameter, self.full_volume, grid.threads,
             self.volume,

@@ -20,6 +20,8 @@ struct Stage {
         rate;  // weights of D_{j-1}, D_{j-2}, dt nu lap(D_{j-1}) [nu excluded], dt M
 };
 
+constexpr int most_stages = 10000;
+
 inline std::vector<Stage> legendre_stages(int stages, double dt) {
     const auto b = [](int j) { return j < 2 ? 1.0 / 3.0 : (j * j + j - 2.0) / (2.0 * j * (j + 1.0)); };
     const double w1 = 4.0 / (static_cast<double>(stages) * stages + stages - 2.0);
@@ -66,7 +68,7 @@ inline void stabilised_diffusion(const Grid& g, double* velocity, double* rate, 
     {
         const int team = omp_get_num_threads(), me = omp_get_thread_num();
         auto [first, last] = share_of(nz, me, team);
-        for (int k = first; k < last; ++k) fill_plane_halo(g, rate + k * plane, component, true);
+        for (int k = first; k < last; ++k) fill_plane_halo(g, rate + k * plane, component, Walls::at_rest);
 #pragma omp barrier
         last = std::min(last, last_plane + 1);
         double* mine = scratch + static_cast<std::size_t>(3 * (stages - 2)) * plane * me;
@@ -125,7 +127,7 @@ inline void stabilised_diffusion(const Grid& g, double* velocity, double* rate, 
                         for (int x = 1; x <= nx; ++x) out[o + x] = change(o + x);
                     }
                 }
-                fill_plane_halo(g, out, component, true);
+                fill_plane_halo(g, out, component, Walls::at_rest);
             }
         }
     }

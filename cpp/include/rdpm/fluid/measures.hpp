@@ -10,7 +10,7 @@
 namespace rdpm {
 
 // Largest |div u| over the cells [1/s]; needs current halos.
-inline double largest_divergence(const Grid& g, VelocityArrays q) {
+inline double largest_divergence(const Grid& g, VelocityView q) {
     const std::size_t row = g.row(), plane = g.plane();
     const double ix = 1.0 / g.spacing[0], iy = 1.0 / g.spacing[1], iz = 1.0 / g.spacing[2];
     double most = 0.0;
@@ -29,7 +29,7 @@ inline double largest_divergence(const Grid& g, VelocityArrays q) {
 
 // Cell-centred velocity and pressure for output: velocity (nz, ny, nx, 3), pressure (nz, ny, nx), single
 // precision.
-inline void cell_values(const Grid& g, VelocityArrays q, const double* p, double density, float* velocity,
+inline void cell_values(const Grid& g, VelocityView q, const double* p, double density, float* velocity,
                         float* pressure) {
     const std::size_t row = g.row(), plane = g.plane();
     const int nx = g.nx(), ny = g.ny();

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 
 #include "rdpm/grid/grid.hpp"
 
@@ -71,6 +72,13 @@ struct VelocityArrays {
     double *u, *v, *w;
 };
 
+// The same, read alone.
+struct VelocityView {
+    const double *u, *v, *w;
+    VelocityView(const double* u, const double* v, const double* w) : u(u), v(v), w(w) {}
+    VelocityView(const VelocityArrays& q) : u(q.u), v(q.v), w(q.w) {}
+};
+
 // One row of faces: the tendency replaces the stored one, `finish(i, total)` gets now*new - then*stored -
 // grad p + force.
 template <class Advection, class Finish>
@@ -88,16 +96,22 @@ inline void momentum_row(int nx, std::size_t offset, double* stored, const doubl
     }
 }
 
+// The explicit step changes the velocity in place, the other one reads it.
+template <bool explicit_diffusion>
+using StepVelocity = std::conditional_t<explicit_diffusion, VelocityArrays, VelocityView>;
+
 // Planes of one thread, bottom to top. `scratch`: 9 planes a thread (three components: below, here, one saved
 // above). explicit_diffusion: velocity += dt * total in place; otherwise total + nu lap(velocity) goes to
 // `rate`.
 template <bool explicit_diffusion>
-inline void momentum_planes(const Grid& g, VelocityArrays q, VelocityArrays stored, VelocityArrays rate,
-                            const double* p, const MomentumStep& step, double* scratch, int first, int last,
-                            const auto& wait) {
+inline void momentum_planes(const Grid& g, StepVelocity<explicit_diffusion> q, VelocityArrays stored,
+                            VelocityArrays rate, const double* p, const MomentumStep& step, double* scratch,
+                            int first, int last, const auto& wait) {
     const std::size_t plane = g.plane(), row = g.row(), bytes = plane * sizeof(double);
     const Tendency t(g, step.nu);
-    double* field[3] = {q.u, q.v, q.w};
+    decltype(q.u) field[3] = {q.u, q.v, q.w};
+    VelocityArrays result = rate;
+    if constexpr (explicit_diffusion) result = q;
     double* buffer[3][3];
     const double* old[3][3];
     if constexpr (explicit_diffusion) {
@@ -141,9 +155,7 @@ inline void momentum_planes(const Grid& g, VelocityArrays q, VelocityArrays stor
                     return advection(i);
             };
         };
-        double* tu = (explicit_diffusion ? q.u : rate.u) + base;
-        double* tv = (explicit_diffusion ? q.v : rate.v) + base;
-        double* tw = (explicit_diffusion ? q.w : rate.w) + base;
+        double *tu = result.u + base, *tv = result.v + base, *tw = result.w + base;
         const bool inner_face = k <= g.last_face(2);
         for (int j = 1; j <= g.ny(); ++j) {
             const std::size_t o = j * row;
@@ -164,8 +176,8 @@ inline void momentum_planes(const Grid& g, VelocityArrays q, VelocityArrays stor
 }
 
 template <bool explicit_diffusion>
-inline void momentum(const Grid& g, VelocityArrays q, VelocityArrays stored, VelocityArrays rate,
-                     const double* p, const MomentumStep& step, double* scratch) {
+inline void momentum(const Grid& g, StepVelocity<explicit_diffusion> q, VelocityArrays stored,
+                     VelocityArrays rate, const double* p, const MomentumStep& step, double* scratch) {
     const int threads = std::min(g.threads, g.nz());
 #pragma omp parallel num_threads(threads)
     {

@@ -63,6 +63,7 @@ class Projection {
           plane_cfl_(g.nz() + 2),
           plane_square_(g.nz() + 2) {}
 
+    const Grid& grid() const { return g_; }
     std::size_t bytes() const {
         return solver_.bytes() + transform_.bytes() + 4 * carry_[0].size() * sizeof(double);
     }
@@ -89,6 +90,7 @@ class Projection {
     std::vector<double> modes() const {
         return std::vector<double>(static_cast<std::size_t>(g_.nx()) * g_.ny());
     }
+    std::size_t row_of_modes(int j) const { return static_cast<std::size_t>(j) * g_.nx(); }
     double* inner(int k) const { return phi_ + k * g_.plane() + g_.row() + 1; }
     int plane_of(int half, int t) const { return half == 0 ? t + 1 : core() - t; }
     int core() const { return g_.nz() - (solver_.is_periodic() ? 1 : 0); }
@@ -182,7 +184,7 @@ class Projection {
                 const double* before = t > 0 ? inner(plane_of(half, t - 1)) : nullptr;
                 for (int j = first - 1; j < last - 1; ++j)
                     solver_.eliminate(t, j, g + j * g_.row(), before ? before + j * g_.row() : nullptr,
-                                      gather_[half].data() + (solver_.is_periodic() ? j * g_.nx() : 0));
+                                      gather_[half].data() + (solver_.is_periodic() ? row_of_modes(j) : 0));
             }
         }
         if (half == 1 && solver_.is_periodic() && rank == 0) load_and_transform<with_flow>(g_.nz());
@@ -194,12 +196,12 @@ class Projection {
         const double *lower = inner(plane_of(0, solver_.planes(0) - 1)),
                      *upper = inner(plane_of(1, solver_.planes(1) - 1));
         for (int j = first - 1; j < last - 1; ++j) {
-            double *a = carry_[0].data() + j * nx, *b = carry_[1].data() + j * nx;
+            double *a = carry_[0].data() + row_of_modes(j), *b = carry_[1].data() + row_of_modes(j);
             std::copy_n(lower + j * g_.row(), nx, a);
             std::copy_n(upper + j * g_.row(), nx, b);
             if (solver_.is_periodic())
-                solver_.meet(j, a, b, gather_[0].data() + j * nx, gather_[1].data() + j * nx,
-                             inner(g_.nz()) + j * g_.row());
+                solver_.meet(j, a, b, gather_[0].data() + row_of_modes(j),
+                             gather_[1].data() + row_of_modes(j), inner(g_.nz()) + j * g_.row());
             else
                 solver_.meet(j, a, b, nullptr, nullptr, nullptr);
         }
@@ -214,7 +216,7 @@ class Projection {
                 const int t = planes - 1 - n;
                 double* g = inner(plane_of(half, t));
                 for (int j = first - 1; j < last - 1; ++j) {
-                    double* carry = carry_[half].data() + j * nx;
+                    double* carry = carry_[half].data() + row_of_modes(j);
                     if (n > 0)
                         solver_.substitute(t, j, g + j * g_.row(), carry,
                                            solver_.is_periodic() ? closing(j) : nullptr);
@@ -238,7 +240,7 @@ class Projection {
     void update_pressure(int k) {
         const int nx = g_.nx();
         const std::size_t row = g_.row(), plane = g_.plane(), base = k * plane;
-        fill_plane_halo(g_, phi_ + base, centre);
+        fill_plane_halo(g_, phi_ + base, centre, Walls::moving);
         const double *u = q_.u + base, *v = q_.v + base, *w = q_.w + base, *w_below = w - plane,
                      *phi = phi_ + base;
         double* p = p_ + base;
@@ -257,7 +259,7 @@ class Projection {
                                       (w[o + i] - w_below[o + i]) * iz);
             }
         }
-        fill_plane_halo(g_, p, centre);
+        fill_plane_halo(g_, p, centre, Walls::moving);
     }
 
     // Velocity of plane k; `face`: the plane of w that lies between k and the plane done before, or -1.
@@ -277,8 +279,8 @@ class Projection {
                 for (int i = 1; i <= nx; ++i) v[o + i] -= sy * (phi[o + i + row] - phi[o + i]);
             }
         }
-        fill_plane_halo(g_, u, face_x);
-        fill_plane_halo(g_, v, face_y);
+        fill_plane_halo(g_, u, face_x, Walls::moving);
+        fill_plane_halo(g_, v, face_y, Walls::moving);
         if (face < 0) return;  // a middle plane: the face between the halves is still to come
         correct_faces(face, face + 1);
         measure(k, face, face);
@@ -294,7 +296,7 @@ class Projection {
 #pragma omp simd
             for (int i = 1; i <= nx; ++i) w[o + i] -= s * (b[o + i] - a[o + i]);
         }
-        fill_plane_halo(g_, w, face_z);
+        fill_plane_halo(g_, w, face_z, Walls::moving);
     }
 
     // Plane k with the plane `face` of w beside it; `counted`: the plane of w whose squares are added here.
@@ -326,8 +328,8 @@ class Projection {
             correct(nz, nz - 1);
             correct_faces(nz, 1);
         } else {
-            fill_plane_halo(g_, q_.w, face_z);
-            fill_plane_halo(g_, q_.w + nz * g_.plane(), face_z);
+            fill_plane_halo(g_, q_.w, face_z, Walls::moving);
+            fill_plane_halo(g_, q_.w + nz * g_.plane(), face_z, Walls::moving);
         }
         correct_faces(middle, middle + 1);
         // Planes below the middle count the face above them, those beyond it the face below: the last one is

@@ -18,11 +18,12 @@ class LeadingModes {
     LeadingModes(int nx, int ny) : nx_(nx), ny_(ny) {}
     void append(const std::vector<double>& values, const std::vector<double>& limit, double tolerance) {
         for (int j = 0; j < ny_; ++j) {
+            const std::ptrdiff_t o = static_cast<std::ptrdiff_t>(j) * nx_;
             int n = nx_;
-            while (n > 0 && std::abs(values[j * nx_ + n - 1] - limit[j * nx_ + n - 1]) <= tolerance) --n;
+            while (n > 0 && std::abs(values[o + n - 1] - limit[o + n - 1]) <= tolerance) --n;
             first_.push_back(data_.size());
             count_.push_back(n);
-            data_.insert(data_.end(), values.begin() + j * nx_, values.begin() + j * nx_ + n);
+            data_.insert(data_.end(), values.begin() + o, values.begin() + o + n);
         }
     }
     int count(int plane, int j) const { return count_[static_cast<std::size_t>(plane) * ny_ + j]; }
@@ -60,8 +61,9 @@ class Tridiagonal {
         for (int j = 0; j < ny; ++j)
             for (int i = 0; i < nx; ++i) {
                 const double m = (lambda_x[i] + lambda_y[j]) * dz * dz;
-                diagonal_[j * nx + i] = 2.0 + m;
-                rho_[j * nx + i] = 1.0 / (1.0 + 0.5 * m + std::sqrt(m + 0.25 * m * m));
+                const std::size_t o = static_cast<std::size_t>(j) * nx + i;
+                diagonal_[o] = 2.0 + m;
+                rho_[o] = 1.0 / (1.0 + 0.5 * m + std::sqrt(m + 0.25 * m * m));
             }
         build();
     }

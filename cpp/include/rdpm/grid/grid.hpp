@@ -13,6 +13,9 @@ enum Boundary : int { periodic = 0, wall = 1, free_slip = 2 };  // of a pair of 
 // Where a field sits: at cell centres, or on the faces across one direction.
 enum Location : int { face_x = 0, face_y = 1, face_z = 2, centre = 3 };
 
+// Of a direction: sums and doubles of indices stay within 32 bits.
+constexpr int most_cells = 1 << 29;
+
 struct Grid {
     std::array<int, 3> cells{};           // nx, ny, nz
     std::array<double, 3> spacing{};      // dx, dy, dz [m]
@@ -25,8 +28,15 @@ struct Grid {
     int nz() const { return cells[2]; }
     std::size_t row() const { return static_cast<std::size_t>(cells[0]) + 2; }
     std::size_t plane() const { return row() * (static_cast<std::size_t>(cells[1]) + 2); }
+    // With its halo.
+    std::size_t field_size() const { return plane() * (static_cast<std::size_t>(cells[2]) + 2); }
     double volume() const { return spacing[0] * spacing[1] * spacing[2]; }
     double speed_of_side(int side, int component) const { return side_speed[3 * side + component]; }
+
+    // The same cells and boundaries: what was made for one serves the other.
+    bool is_like(const Grid& other) const {
+        return cells == other.cells && spacing == other.spacing && boundary == other.boundary;
+    }
 
     // Planes whose normal face is inside the box: the last face of a walled direction is the wall itself.
     int last_face(int direction) const {
@@ -51,13 +61,16 @@ inline Mirror mirror(const Grid& g, int side, int component) {
     return {-1.0, 2.0 * g.speed_of_side(side, component)};
 }
 
-// Halo cells of one plane in x and y; `homogeneous`: of a change, to which moving walls add nothing.
-inline void fill_plane_halo(const Grid& g, double* q, int location, bool homogeneous = false) {
+// Of a velocity, walls move at their speed; to a change of it they add nothing.
+enum class Walls { moving, at_rest };
+
+// Halo cells of one plane in x and y.
+inline void fill_plane_halo(const Grid& g, double* q, int location, Walls walls) {
     const int nx = g.nx(), ny = g.ny();
     const std::size_t row = g.row();
     const auto side = [&](int s) {
         Mirror m = mirror(g, s, location);
-        if (homogeneous) m.offset = 0.0;
+        if (walls == Walls::at_rest) m.offset = 0.0;
         return m;
     };
     if (g.boundary[0] == periodic) {
@@ -128,7 +141,7 @@ inline void fill_end_planes(const Grid& g, double* q, int location) {
 
 inline void fill_halo(const Grid& g, double* q, int location) {
 #pragma omp parallel for num_threads(g.threads) schedule(static)
-    for (int k = 1; k <= g.nz(); ++k) fill_plane_halo(g, q + k * g.plane(), location);
+    for (int k = 1; k <= g.nz(); ++k) fill_plane_halo(g, q + k * g.plane(), location, Walls::moving);
     fill_end_planes(g, q, location);
 }
 

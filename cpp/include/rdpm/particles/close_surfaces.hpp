@@ -1,4 +1,5 @@
-// Markers that stand back: how near those of a body are to the surfaces of others, and what volume they keep.
+// Marker exclusion near other surfaces: how near a body's markers are to the surfaces of others, and what
+// volume is left to them.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -17,9 +18,9 @@ struct Surroundings {
     int n_pairs;
 };
 
-// What volume a marker keeps so far from another surface: `least` up to `near`, all from `far` on; inside the
-// other body less and less, and none `width` deep.
-struct Retreat {
+// The share of its volume left to a marker so far from another surface: `least` up to `near`, all from `far`
+// on; inside the other body less and less, and none `width` deep.
+struct Exclusion {
     double near, far, least, width;
 
     double share(double distance) const {
@@ -60,9 +61,9 @@ inline void distance_to_partners(const Surroundings& around, int b, const std::i
 }
 
 // volume = full volume, less where a marker is close to another surface.
-inline void stand_back(const Surroundings& around, const Retreat& retreat, int bodies,
-                       const std::int32_t* first, const double* marker, const double* centre,
-                       const double* radius, const double* full, int threads, double* volume) {
+inline void exclude_markers(const Surroundings& around, const Exclusion& exclusion, int bodies,
+                            const std::int32_t* first, const double* marker, const double* centre,
+                            const double* radius, const double* full, int threads, double* volume) {
     // Partners of each body: pairs are stored once, needed both ways.
     std::vector<std::int32_t> begin(bodies + 1, 0), partner;
     const auto each_way = [&](auto&& visit) {
@@ -85,7 +86,7 @@ inline void stand_back(const Surroundings& around, const Retreat& retreat, int b
         }
         distance_to_partners(around, b, partner.data() + begin[b], begin[b + 1] - begin[b], first, marker,
                              centre, radius, volume);
-        for (int m = first[b]; m < first[b + 1]; ++m) volume[m] = full[m] * retreat.share(volume[m]);
+        for (int m = first[b]; m < first[b + 1]; ++m) volume[m] = full[m] * exclusion.share(volume[m]);
     }
 }
 

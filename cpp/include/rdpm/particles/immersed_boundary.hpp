@@ -105,7 +105,7 @@ inline int body_of(const StencilSet& set, int inner) {
 }
 
 // Velocity at the markers, (markers, 3).
-inline void interpolate(const Grid& g, const VelocityArrays& q, const StencilSet& set, double* out) {
+inline void interpolate(const Grid& g, const VelocityView& q, const StencilSet& set, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
     const std::size_t row = g.row(), plane = g.plane();
     const int inner = set.count_inner(), folded = static_cast<int>(set.folded.size());
@@ -249,8 +249,10 @@ struct Reach {
         if (all.count() == 0) return none;
         const int lowest = body.box.lower[2] - 2, highest = body.box.upper[2] + 1, n = g.nz();
         if (lowest < 1 || highest > n) {
+            // Any number of periods outside the box.
+            const int low = ((lowest - 1) % n + n) % n + 1, high = highest + (low - lowest);
             for (const int shift : {-n, 0, n})
-                if (lowest + shift < last && highest + shift >= first) return all;
+                if (low + shift < last && high + shift >= first) return all;
             return none;
         }
         if (lowest >= last || highest < first) return none;

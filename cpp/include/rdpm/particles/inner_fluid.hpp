@@ -125,10 +125,21 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
     }
 }
 
+// Whether the fluid in reach of a sphere is read with one wrapping of the indices across periodic sides.
+inline bool is_within_a_period(const Grid& g, const double* centre, double radius) {
+    if (!(radius > 0.0)) return false;
+    const double reach = std::sqrt(radius * radius + radius * std::cbrt(g.volume()));
+    for (int d = 0; d < 3; ++d) {
+        const double lower = (centre[d] - reach) / g.spacing[d], upper = (centre[d] + reach) / g.spacing[d];
+        if (!(lower > 1.0 - g.cells[d] && upper < 2.0 * g.cells[d] - 1.0)) return false;
+    }
+    return true;
+}
+
 // Mean velocity (3) and spin (3) of the fluid within `radius` of each centre, (bodies, 6); sums normalised by
 // their weights. The markers are those of the same bodies: they know what to fetch ahead, and in which order.
-inline void inner_motion(const Grid& g, const VelocityArrays& q, const StencilSet& set,
-                         const double* position, const double* radius, double* out) {
+inline void inner_motion(const Grid& g, const VelocityView& q, const StencilSet& set, const double* position,
+                         const double* radius, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
     const int bodies = set.bodies();
 #pragma omp parallel num_threads(g.threads) if (set.count() > few_markers)

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -49,10 +51,15 @@ constexpr int few_markers = 2048;
 // Of so many inner markers weights are found at a time.
 constexpr int most_weights = 16;
 
+// So far from the box may markers be, where it is periodic.
+constexpr int most_periods = 8;
+
 // In place of the plane, of markers beside a side.
 constexpr std::int32_t folded_marker = INT32_MIN, wrapped_marker = INT32_MAX;
 
 struct StencilSet {
+    Grid grid;               // for which it was made
+    bool is_placed = false;  // the stencils are those of positions that were given
     // Body after body from bottom to top, within a body by plane, wrapped ones last.
     std::vector<InnerMarker> inner;
     std::vector<double> from_centre[3];  // of each of these, -0.5 to 0.5 [cells]
@@ -65,7 +72,8 @@ struct StencilSet {
     std::vector<std::vector<std::int32_t>> scratch;  // of each thread: where a body's planes begin
 
     StencilSet(const Grid& g, const std::int32_t* of_body, int bodies)
-        : first(of_body, of_body + bodies + 1),
+        : grid(within_offsets(g)),
+          first(of_body, of_body + bodies + 1),
           body(bodies + 1),
           in_plane(g.nz() + 2),
           plane(first.back()),
@@ -73,6 +81,14 @@ struct StencilSet {
         for (int b = 0; b <= bodies; ++b) body[b].id = b;
         inner.reserve(plane.size());
         for (auto& distance : from_centre) distance.resize(plane.size() + most_weights);
+    }
+    static const Grid& within_offsets(const Grid& g) {
+        if (g.field_size() > INT32_MAX)
+            throw std::invalid_argument(
+                "grid: a field of " + std::to_string(g.field_size()) + " values (cells " +
+                std::to_string(g.nx()) + " x " + std::to_string(g.ny()) + " x " + std::to_string(g.nz()) +
+                " and halo) is beyond the markers' 32-bit offsets, at most " + std::to_string(INT32_MAX));
+        return g;
     }
     int bodies() const { return static_cast<int>(body.size()) - 1; }
     int count() const { return static_cast<int>(plane.size()); }
@@ -196,15 +212,18 @@ inline void order_body(const Grid& g, const double* position, StencilSet& set, i
         int nearest[3] = {};
         double from_centre[3] = {};
         locate(g, cells_a_metre, position + 3 * m, nearest, from_centre);
-        const std::int32_t first = (nearest[2] - 1) * plane + (nearest[1] - 1) * row + nearest[0] - 1,
-                           stride[3] = {1, row, plane};
+        // Across a periodic side, where it is not used, it may be beyond 32 bits.
+        const std::int64_t first =
+            (nearest[2] - 1) * std::int64_t{plane} + (nearest[1] - 1) * std::int64_t{row} + nearest[0] - 1;
+        const std::int32_t stride[3] = {1, row, plane};
         InnerMarker& s = set.inner[at];
         s.marker = m;
         for (int d = 0; d < 3; ++d) {
             set.from_centre[d][at] = from_centre[d];
             // Below the nearest centre the nearest face is one before.
-            s.at[d] = set.plane[m] == wrapped_marker ? wrapped(d, nearest[d])
-                                                     : first - (std::signbit(from_centre[d]) ? stride[d] : 0);
+            s.at[d] = set.plane[m] == wrapped_marker
+                          ? wrapped(d, nearest[d])
+                          : static_cast<std::int32_t>(first - (std::signbit(from_centre[d]) ? stride[d] : 0));
         }
     }
 }
@@ -214,6 +233,14 @@ inline void place(const Grid& g, const double* position, StencilSet& set) {
     const int bodies = set.bodies(), threads = std::min<int>(g.threads, set.scratch.size());
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
     for (int b = 0; b < bodies; ++b) measure_body(g, position, set, b);
+
+    set.is_placed = false;
+    for (int b = 0; b < bodies; ++b)
+        for (int d = 0; d < 3; ++d)
+            if (set.body[b].box.lower[d] < -most_periods * g.cells[d] ||
+                set.body[b].box.upper[d] > most_periods * g.cells[d])
+                throw std::invalid_argument("position: a marker of body " + std::to_string(set.body[b].id) +
+                                            " is not finite, or more than eight periods from the box");
 
     // A thread then works on bodies that lie together.
     std::sort(set.body.begin(), set.body.end() - 1, [](const BodyMarkers& a, const BodyMarkers& b) {
@@ -243,6 +270,7 @@ inline void place(const Grid& g, const double* position, StencilSet& set) {
     std::fill(set.in_plane.begin(), set.in_plane.end(), 0);
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
     for (int b = 0; b < bodies; ++b) order_body(g, position, set, b, set.scratch[omp_get_thread_num()]);
+    set.is_placed = true;
 }
 
 // Where the points about a marker beside a periodic side are: offsets of four planes, rows and columns in a

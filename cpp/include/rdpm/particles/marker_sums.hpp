@@ -43,9 +43,10 @@ inline void move_markers(int bodies, const std::int32_t* first, const double* or
     }
 }
 
-// What each marker keeps of its force, in its body's axes; `force` is reduced to it as well.
-inline void keep_forces(int bodies, const std::int32_t* first, const double* orientation, double share,
-                        int threads, double* force, double* body_force) {
+// Lagged forces: the share of each marker's force that the next step starts from, in its body's axes; `force`
+// is reduced to it as well.
+inline void store_forces(int bodies, const std::int32_t* first, const double* orientation, double share,
+                         int threads, double* force, double* body_force) {
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
     for (int b = 0; b < bodies; ++b) {
         const Turn turn(orientation + 4 * b);

@@ -60,7 +60,7 @@ inline int find_lines(const Grid& g, const CellBox& box, int reach, std::int32_t
 // them. Inlined always: a call that only fetches is removed as one without effect.
 class Prefetch {
   public:
-    explicit Prefetch(const VelocityArrays& q) : u_(q.u), v_(q.v), w_(q.w) {}
+    explicit Prefetch(const VelocityView& q) : u_(q.u), v_(q.v), w_(q.w) {}
 
     // Lines of the fields, in so many calls.
     void aim(const std::int32_t* line, const std::int32_t* end, int calls) {

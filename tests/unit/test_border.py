@@ -1,0 +1,417 @@
+"""The border to the kernels: every array of a wrong kind is refused with its name, and nothing is changed."""
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rdpm import _core
+
+CELLS = (5, 6, 7)
+SHAPE = (CELLS[2] + 2, CELLS[1] + 2, CELLS[0] + 2)
+BODIES, MARKERS, THREADS, STAGES = 2, 5, 2, 4
+FIRST = [0, 3, MARKERS]
+PERIODIC, WALL = 0, 1
+
+
+def core_grid(cells=CELLS, boundary=(WALL, PERIODIC, PERIODIC), threads: int = THREADS) -> _core.Grid:
+    return _core.Grid(list(cells), [1.0, 1.0, 1.0], list(boundary), [0.0] * 18, threads)
+
+
+def values(*shape: int, dtype: type = np.float64) -> np.ndarray:
+    return (np.arange(np.prod(shape)) % 3 + 1).reshape(shape).astype(dtype)
+
+
+def fields(*names: str) -> dict[str, Any]:
+    return {"grid": core_grid()} | {name: values(*SHAPE) for name in names}
+
+
+def bodies_and_markers(**arrays: int) -> dict[str, Any]:
+    """`first`, and the arrays with so many columns of each marker."""
+    columns = {name: values(MARKERS, n) if n > 1 else values(MARKERS) for name, n in arrays.items()}
+    return {"first": np.array(FIRST, np.int32), "threads": THREADS} | columns
+
+
+def placed() -> _core.Markers:
+    markers = _core.Markers(core_grid(), np.array(FIRST, np.int32))
+    markers.place(core_grid(), values(MARKERS, 3))
+    return markers
+
+
+def scratch(planes: int) -> np.ndarray:
+    return values(planes * SHAPE[1] * SHAPE[2] * THREADS)
+
+
+@dataclass
+class Call:
+    """A valid call of one entry, its arguments by name."""
+
+    function: Callable[..., Any]
+    arguments: dict[str, Any]
+    written: tuple[str, ...] = ()
+
+    def __call__(self, **changed: Any) -> Any:
+        return self.function(**self.arguments | changed)
+
+    @property
+    def arrays(self) -> dict[str, np.ndarray]:
+        return {name: value for name, value in self.arguments.items() if isinstance(value, np.ndarray)}
+
+
+BOX = np.array([[9.0, 9.0, 9.0], [0.0, 9.0, 0.0], *[[0.0, 0.0, 0.0]] * 6])
+ROOM = 8 * BODIES + 65  # of the cell list
+
+
+def spheres() -> dict[str, np.ndarray]:
+    """Two that overlap."""
+    return {"box": BOX.copy(), "position": np.array([[4.0, 4.0, 4.0], [4.9, 4.0, 4.0]]), "radius": np.full(BODIES, 0.5)}
+
+
+def cells() -> dict[str, np.ndarray]:
+    return {"cell_start": np.ones(ROOM, np.int32), "cell_order": np.ones(BODIES, np.int32)}
+
+
+def bytes_of(layout: dict[str, Any], rows: int, value: int = 0) -> np.ndarray:
+    return np.full((rows, layout["size"]), value, np.uint8)
+
+
+def substeps() -> Call:
+    """One sub-step of two spheres that overlap and approach."""
+    kernel, layouts = _core.soft_sphere_kernel(), _core.contact_layouts()
+    of_bodies = ("velocity", "angular_velocity", "rotation", "velocity_increment", "angular_increment")
+    impulses = ("impulse", "angular_impulse", "contact_impulse")
+    parameters = np.ones((2, kernel.parameters["size"] // 8)).view(np.uint8)
+    arguments = {
+        "kernel": kernel, **spheres(), **{name: values(BODIES, 3) for name in of_bodies + impulses},
+        "inverse_mass": np.ones(BODIES), "inverse_moment": np.ones(BODIES),
+        "active": np.array([0, 1], np.int32), "pairs": np.array([[0, -1], [0, 1]], np.int32),
+        "parameters": parameters,
+        "lubrication": bytes_of(layouts["lubrication"], 2), "state": bytes_of(layouts["state"], 2),
+        "history": bytes_of(kernel.history, 2), "finished": bytes_of(layouts["finished"], 4),
+        "time": 0.0, "h": 1e-3, "overlap_limit": 0.5, "first": 0, "last": 1,
+    }  # fmt: skip
+    written = ("position", "velocity", "angular_velocity", "rotation", *impulses, "state", "history", "finished")
+    return Call(_core.run_substeps, arguments, written)
+
+
+FLOW, TENDENCY, RATE = ("u", "v", "w"), ("tendency_u", "tendency_v", "tendency_w"), ("rate_u", "rate_v", "rate_w")
+GRID = {"cells": CELLS, "spacing": (1.0,) * 3, "boundary": (0,) * 3, "side_speed": (0.0,) * 18, "threads": 1}
+
+#: A row an entry; a method is named after its class.
+CALLS: dict[str, Callable[[], Call]] = {
+    "build_info": lambda: Call(_core.build_info, {}),
+    "triad_seconds": lambda: Call(_core.triad_seconds, {"elements": 8, "threads": 1, "sweeps": 1}),
+    "Grid": lambda: Call(_core.Grid, dict(GRID)),
+    "Projection": lambda: Call(_core.Projection, fields()),
+    "Projection.project": lambda: Call(
+        _core.Projection(core_grid()).project,
+        fields(*FLOW, "p", "increment") | {"dt": 1.0, "rotational": 0.0},
+        (*FLOW, "p", "increment"),
+    ),
+    "Projection.solve": lambda: Call(_core.Projection(core_grid()).solve, fields("phi"), ("phi",)),
+    "momentum_explicit": lambda: Call(
+        _core.momentum_explicit,
+        fields(*FLOW, *TENDENCY, "p")
+        | {"dt": 1.0, "now": 1.0, "then": 0.0, "nu": 0.1, "force": (0.0,) * 3, "scratch": scratch(9)},
+        (*FLOW, *TENDENCY, "scratch"),
+    ),
+    "momentum_rate": lambda: Call(
+        _core.momentum_rate,
+        fields(*FLOW, *TENDENCY, *RATE, "p") | {"now": 1.0, "then": 0.0, "nu": 0.1, "force": (0.0,) * 3},
+        (*TENDENCY, *RATE),
+    ),
+    "diffuse_stabilised": lambda: Call(
+        _core.diffuse_stabilised,
+        fields("velocity", "rate")
+        | {"component": 0, "dt": 1.0, "nu": 0.1, "stages": STAGES, "scratch": scratch(3 * (STAGES - 2))},
+        ("velocity", "rate", "scratch"),
+    ),
+    "fill_halo": lambda: Call(_core.fill_halo, fields("field") | {"location": 3}, ("field",)),
+    "largest_divergence": lambda: Call(_core.largest_divergence, fields(*FLOW)),
+    "cell_values": lambda: Call(
+        _core.cell_values,
+        fields(*FLOW, "p")
+        | {
+            "density": 1.0,
+            "velocity": values(*CELLS[::-1], 3, dtype=np.float32),
+            "pressure": values(*CELLS[::-1], dtype=np.float32),
+        },
+        ("velocity", "pressure"),
+    ),
+    "Markers": lambda: Call(_core.Markers, fields() | {"first": np.array(FIRST, np.int32)}),
+    "Markers.place": lambda: Call(placed().place, fields() | {"position": values(MARKERS, 3)}),
+    "Markers.interpolate": lambda: Call(
+        placed().interpolate, fields(*FLOW) | {"velocity": values(MARKERS, 3)}, ("velocity",)
+    ),
+    "Markers.spread": lambda: Call(
+        placed().spread,
+        fields(*FLOW) | {"value": values(MARKERS, 3), "volume": values(MARKERS), "factor": 1.0},
+        FLOW,
+    ),
+    "Markers.inner_motion": lambda: Call(
+        placed().inner_motion,
+        fields(*FLOW) | {"position": values(BODIES, 3), "radius": values(BODIES), "motion": values(BODIES, 6)},
+        ("motion",),
+    ),
+    "sum_over_markers": lambda: Call(
+        _core.sum_over_markers,
+        bodies_and_markers(arm=3, volume=1, value=3) | {"sums": values(BODIES, 6)},
+        ("sums",),
+    ),
+    "move_markers": lambda: Call(
+        _core.move_markers,
+        bodies_and_markers(body_arm=3, body_force=3, arm=3, position=3, force=3)
+        | {"orientation": values(BODIES, 4), "centre": values(BODIES, 3)},
+        ("arm", "position", "force"),
+    ),
+    "store_forces": lambda: Call(
+        _core.store_forces,
+        bodies_and_markers(force=3, body_force=3) | {"orientation": values(BODIES, 4), "share": 0.5},
+        ("force", "body_force"),
+    ),
+    "rigid_change": lambda: Call(
+        _core.rigid_change,
+        bodies_and_markers(arm=3, volume=1, change=3, force=3)
+        | {"velocity": values(BODIES, 3), "angular_velocity": values(BODIES, 3)}
+        | {"inverse_dt": 1.0, "sums": values(BODIES, 7)},
+        ("change", "force", "sums"),
+    ),
+    "marker_moments": lambda: Call(
+        _core.marker_moments,
+        bodies_and_markers(arm=3, volume=1) | {"moments": values(BODIES, 10)},
+        ("moments",),
+    ),
+    "find_pairs": lambda: Call(
+        _core.find_pairs,
+        spheres() | cells() | {"velocity": values(BODIES, 3), "force": values(BODIES, 3)}
+        | {"inverse_mass": np.ones(BODIES), "dt": 1e-3, "margin": 0.1, "pairs": np.ones((4, 2), np.int32)},
+        ("cell_start", "cell_order", "pairs"),
+    ),
+    "nearest_surfaces": lambda: Call(
+        _core.nearest_surfaces,
+        spheres() | cells() | {"gap": values(BODIES), "neighbour": values(BODIES, dtype=np.int64)},
+        ("cell_start", "cell_order", "gap", "neighbour"),
+    ),
+    "contact_layouts": lambda: Call(_core.contact_layouts, {}),
+    "soft_sphere_kernel": lambda: Call(_core.soft_sphere_kernel, {}),
+    "run_substeps": substeps,
+    "end_step": lambda: Call(
+        _core.end_step,
+        {name: array for name, array in spheres().items() if name != "radius"}
+        | {name: values(BODIES, 3) for name in ("velocity", "angular_velocity", "rotation", "force", "torque")}
+        | {"orientation": values(BODIES, 4), "crossings": values(BODIES, 3, dtype=np.int64)}
+        | {"inverse_mass": np.ones(BODIES), "inverse_moment": np.ones(BODIES)}
+        | {"is_active": np.zeros(BODIES, np.bool_), "dt": 1e-3},
+        ("position", "velocity", "angular_velocity", "rotation", "orientation", "crossings"),
+    ),
+    "lubrication_resistance": lambda: Call(
+        _core.lubrication_resistance,
+        {"gap": values(3), "resistance": values(3)}
+        | {"lubrication": bytes_of(_core.contact_layouts()["lubrication"], 1)},
+        ("resistance",),
+    ),
+    "exclude_markers": lambda: Call(
+        _core.exclude_markers,
+        bodies_and_markers(position=3, full_volume=1, volume=1)
+        | {"size": CELLS, "is_periodic": (True,) * 3, "is_solid": (False,) * 3, "exclusion": (0.5, 2.0, 0.2, 1.0)}
+        | {"pairs": np.array([[0, 1], [1, -1]], np.int32), "centre": values(BODIES, 3), "radius": values(BODIES)},
+        ("volume",),
+    ),
+}
+
+#: Of any length: it sets that of the others.
+FREE_LENGTH = {"first", "active", "gap"}
+
+#: A driver compiled elsewhere, taken by its address (tests/contact_laws).
+BY_ADDRESS = {"ContactKernel", "ContactKernel.at"}
+
+OTHER_DTYPES = (np.float32, np.float64, np.int32, np.int64, np.uint32, np.complex128, np.bool_)
+ARRAYS = [(entry, name) for entry, call in CALLS.items() for name in call().arrays]
+
+
+def entries() -> set[str]:
+    """Of `_core`: functions, classes for their constructors, and their methods."""
+    found = set()
+    for name, value in inspect.getmembers(_core):
+        if not name.startswith("_") and callable(value):
+            found.add(name)
+        if inspect.isclass(value) and not name.startswith("_"):
+            methods = inspect.getmembers(value, callable)
+            found |= {f"{name}.{method}" for method, _ in methods if not method.startswith("_")}
+    return found
+
+
+def misaligned(array: np.ndarray) -> np.ndarray:
+    data = np.zeros(array.nbytes + 1, np.uint8)[1:].view(array.dtype).reshape(array.shape)
+    data[...] = array
+    return data
+
+
+def strided(array: np.ndarray) -> np.ndarray:
+    wide = np.repeat(array, 2, axis=-1)[..., ::2]
+    assert not wide.flags.c_contiguous
+    return wide
+
+
+def read_only(array: np.ndarray) -> np.ndarray:
+    copy = array.copy()
+    copy.setflags(write=False)
+    return copy
+
+
+def wrong_kinds(name: str, array: np.ndarray, is_written: bool) -> dict[str, Any]:
+    """The same values in every way that a kernel cannot take."""
+    kinds: dict[str, Any] = {np.dtype(d).name: array.astype(d) for d in OTHER_DTYPES if d != array.dtype}
+    kinds |= {
+        "strides": strided(array),
+        "dimension more": array[None].copy(),
+        "dimension less": array.ravel() if array.ndim > 1 else array[0],
+        "list": array.tolist(),
+        "object": object(),
+        "text": "u",
+    }
+    if array.dtype != np.bool_:  # rows of structs come as bytes
+        kinds["not aligned"] = misaligned(array)
+    if array.itemsize > 1:
+        kinds["bytes swapped"] = array.astype(array.dtype.newbyteorder())
+    if len(array) > 1:
+        kinds["reversed"] = array[::-1]
+    if array.ndim > 1 and len(array) > 1:
+        kinds["Fortran order"] = np.asfortranarray(array)
+    if name not in FREE_LENGTH:
+        kinds["shape"] = array[..., :-1].copy()
+    if is_written:
+        kinds["read-only"] = read_only(array)
+    return kinds
+
+
+def test_every_entry_has_a_row() -> None:
+    assert entries() == set(CALLS) | BY_ADDRESS
+
+
+@pytest.mark.parametrize("entry", CALLS)
+def test_arguments_have_names_and_inputs_may_be_read_only(entry: str) -> None:
+    call = CALLS[entry]()
+    call(**{name: read_only(array) for name, array in call.arrays.items() if name not in call.written})
+
+
+@pytest.mark.parametrize("entry", CALLS)
+def test_a_kernel_changes_what_it_is_said_to(entry: str) -> None:
+    call = CALLS[entry]()
+    before = {name: array.copy() for name, array in call.arrays.items()}
+    call()
+    changed = {name for name, array in call.arrays.items() if not np.array_equal(array, before[name], equal_nan=True)}
+    assert changed <= set(call.written)
+    assert changed or not call.written
+
+
+@pytest.mark.parametrize(("entry", "name"), ARRAYS)
+def test_an_array_of_a_wrong_kind_is_refused_by_name(entry: str, name: str) -> None:
+    call = CALLS[entry]()
+    before = {key: array.copy() for key, array in call.arrays.items()}
+    for kind, wrong in wrong_kinds(name, call.arrays[name], name in call.written).items():
+        given = wrong.tobytes() if isinstance(wrong, np.ndarray) else None
+        with pytest.raises((TypeError, ValueError)) as refusal:
+            call(**{name: wrong})
+        assert str(refusal.value).startswith(f"{name}: "), f"{kind}: {refusal.value}"
+        for key, array in call.arrays.items():
+            assert array.tobytes() == before[key].tobytes(), (kind, key)
+        if isinstance(wrong, np.ndarray):
+            assert wrong.tobytes() == given, kind
+    with pytest.raises(TypeError, match=name):
+        call(**{name: None})
+
+
+def test_the_refusal_says_what_is_asked_and_what_came() -> None:
+    call = CALLS["fill_halo"]()
+    field = call.arguments["field"]
+    asked = r"field: must be a C-contiguous, writable float64 array of shape \(9, 8, 7\), got "
+    with pytest.raises(TypeError, match=asked + "dtype float32"):
+        call(field=field.astype(np.float32))
+    with pytest.raises(ValueError, match=asked + r"shape \(9, 8\)"):
+        call(field=field[..., 0].copy())
+    with pytest.raises(ValueError, match=asked + "a read-only array"):
+        call(field=read_only(field))
+    with pytest.raises(TypeError, match=asked + "list"):
+        call(field=field.tolist())
+
+
+@pytest.mark.parametrize(
+    ("entry", "name", "wrong"),
+    [
+        ("fill_halo", "location", -1),
+        ("fill_halo", "location", 4),
+        ("diffuse_stabilised", "component", -1),
+        ("diffuse_stabilised", "component", 3),
+        ("diffuse_stabilised", "stages", 1),
+        ("diffuse_stabilised", "stages", 1 << 30),
+        ("triad_seconds", "elements", 0),
+        ("triad_seconds", "threads", 0),
+        ("triad_seconds", "sweeps", 0),
+        *((entry, "threads", 0) for entry, call in CALLS.items() if {"first", "threads"} <= set(call().arguments)),
+    ],
+)  # fmt: skip
+def test_a_number_out_of_its_range_is_refused_by_name(entry: str, name: str, wrong: int) -> None:
+    with pytest.raises(ValueError, match=f"^{name}: "):
+        CALLS[entry]()(**{name: wrong})
+
+
+@pytest.mark.parametrize("first", [[], [1, 3, 5], [0, 6, 5], [0, -1, 5], [0, 3, 800_000_000]])
+def test_owners_that_would_be_read_out_of_bounds_are_refused(first: list[int]) -> None:
+    for entry in ("Markers", "sum_over_markers", "exclude_markers"):
+        with pytest.raises(ValueError, match=r"^first: "):
+            CALLS[entry]()(first=np.array(first, np.int32))
+
+
+@pytest.mark.parametrize("pair", [(-1, 0), (BODIES, 0), (0, BODIES), (0, -7)])
+def test_pairs_of_unknown_bodies_are_refused(pair: tuple[int, int]) -> None:
+    with pytest.raises(ValueError, match=r"^pairs: "):
+        CALLS["exclude_markers"]()(pairs=np.array([pair], np.int32))
+
+
+@pytest.mark.parametrize("pair", [(-1, 0), (BODIES, 0), (0, BODIES), (0, -7)])
+def test_contacts_of_unknown_bodies_are_refused(pair: tuple[int, int]) -> None:
+    with pytest.raises(ValueError, match=r"^pairs: id"):
+        CALLS["run_substeps"]()(pairs=np.array([pair, pair], np.int32))
+    with pytest.raises(ValueError, match=r"^active: id"):
+        CALLS["run_substeps"]()(active=np.array([0, BODIES], np.int32))
+
+
+@pytest.mark.parametrize("place", [np.nan, np.inf, -1e300, 1e5])
+def test_bodies_far_from_the_box_are_refused(place: float) -> None:
+    periodic = core_grid(boundary=(PERIODIC,) * 3)
+    markers = _core.Markers(periodic, np.array(FIRST, np.int32))
+    with pytest.raises(ValueError, match=r"^position: "):
+        markers.place(periodic, np.full((MARKERS, 3), place))
+    with pytest.raises(ValueError, match=r"^position, radius: "):
+        CALLS["Markers.inner_motion"]()(position=np.full((BODIES, 3), place))
+
+
+def test_stencils_that_were_not_placed_are_refused() -> None:
+    markers = _core.Markers(core_grid(), np.array(FIRST, np.int32))
+    with pytest.raises(ValueError, match="call place first"):
+        markers.interpolate(**CALLS["Markers.interpolate"]().arguments)
+
+
+@pytest.mark.parametrize("entry", ["Projection.project", "Projection.solve", "Markers.place", "Markers.spread"])
+def test_another_grid_than_that_of_the_object_is_refused(entry: str) -> None:
+    for other in (core_grid(cells=(5, 6, 8)), core_grid(boundary=(PERIODIC,) * 3)):
+        with pytest.raises(ValueError, match=r"^grid: "):
+            CALLS[entry]()(grid=other)
+
+
+def test_markers_refuse_a_field_beyond_their_offsets() -> None:
+    """Offsets are 32-bit: 1290^3 values with the halo are the largest cube."""
+    first = np.array([0, 1], np.int32)
+    assert _core.Markers(core_grid(cells=(1288,) * 3), first).count == 1
+    with pytest.raises(ValueError, match=r"cells 1289 x 1289 x 1289 .* 32-bit offsets, at most 2147483647"):
+        _core.Markers(core_grid(cells=(1289,) * 3), first)
+
+
+@pytest.mark.parametrize("cells", [(1 << 30, 4, 4), (1 << 29,) * 3])
+def test_a_grid_whose_size_is_no_number_is_refused(cells: tuple[int, int, int]) -> None:
+    with pytest.raises(ValueError, match=r"^grid: "):
+        core_grid(cells=cells)
