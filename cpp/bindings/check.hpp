@@ -147,6 +147,7 @@ struct type_caster<rdpm::ArrayArgument<Scalar>> {
 
 namespace rdpm {
 
+// An array of the contacts' entries; one of another kind is converted where its argument allows that.
 template <class Scalar>
 using Array = nb::ndarray<Scalar, nb::c_contig, nb::device::cpu>;
 
@@ -158,7 +159,10 @@ Scalar* checked(const Array<Scalar>& array, const char* name, std::initializer_l
         if (good && n >= 0 && array.shape(axis) != static_cast<std::size_t>(n)) good = false;
         ++axis;
     }
-    if (!good) throw std::invalid_argument(std::string(name) + ": shape must be other");
+    if (!good)
+        throw std::invalid_argument(std::string(name) + ": shape must be " +
+                                    shape_text(shape.begin(), shape.size()) + ", got " +
+                                    shape_text(array.shape_ptr(), array.ndim()));
     return array.data();
 }
 

@@ -295,13 +295,13 @@ def test_a_number_out_of_its_range_is_refused_by_name(entry: str, name: str, wro
 @pytest.mark.parametrize("first", [[], [1, 3, 5], [0, 6, 5], [0, -1, 5], [0, 3, 800_000_000]])
 def test_owners_that_would_be_read_out_of_bounds_are_refused(first: list[int]) -> None:
     for entry in ("Markers", "sum_over_markers", "exclude_markers"):
-        with pytest.raises(ValueError, match="^first: "):
+        with pytest.raises(ValueError, match=r"^first: "):
             CALLS[entry]()(first=np.array(first, np.int32))
 
 
 @pytest.mark.parametrize("pair", [(-1, 0), (BODIES, 0), (0, BODIES), (0, -7)])
 def test_pairs_of_unknown_bodies_are_refused(pair: tuple[int, int]) -> None:
-    with pytest.raises(ValueError, match="^pairs: "):
+    with pytest.raises(ValueError, match=r"^pairs: "):
         CALLS["exclude_markers"]()(pairs=np.array([pair], np.int32))
 
 
@@ -309,9 +309,9 @@ def test_pairs_of_unknown_bodies_are_refused(pair: tuple[int, int]) -> None:
 def test_bodies_far_from_the_box_are_refused(place: float) -> None:
     periodic = core_grid(boundary=(PERIODIC,) * 3)
     markers = _core.Markers(periodic, np.array(FIRST, np.int32))
-    with pytest.raises(ValueError, match="^position: "):
+    with pytest.raises(ValueError, match=r"^position: "):
         markers.place(periodic, np.full((MARKERS, 3), place))
-    with pytest.raises(ValueError, match="^position, radius: "):
+    with pytest.raises(ValueError, match=r"^position, radius: "):
         CALLS["Markers.inner_motion"]()(position=np.full((BODIES, 3), place))
 
 
@@ -324,7 +324,7 @@ def test_stencils_that_were_not_placed_are_refused() -> None:
 @pytest.mark.parametrize("entry", ["Projection.project", "Projection.solve", "Markers.place", "Markers.spread"])
 def test_another_grid_than_that_of_the_object_is_refused(entry: str) -> None:
     for other in (core_grid(cells=(5, 6, 8)), core_grid(boundary=(PERIODIC,) * 3)):
-        with pytest.raises(ValueError, match="^grid: "):
+        with pytest.raises(ValueError, match=r"^grid: "):
             CALLS[entry]()(grid=other)
 
 
@@ -338,5 +338,5 @@ def test_markers_refuse_a_field_beyond_their_offsets() -> None:
 
 @pytest.mark.parametrize("cells", [(1 << 30, 4, 4), (1 << 29,) * 3])
 def test_a_grid_whose_size_is_no_number_is_refused(cells: tuple[int, int, int]) -> None:
-    with pytest.raises(ValueError, match="^grid: "):
+    with pytest.raises(ValueError, match=r"^grid: "):
         core_grid(cells=cells)
