@@ -90,7 +90,9 @@ const Row* checked_rows(const ConstBytes& array, const char* name, std::int64_t 
     return reinterpret_cast<const Row*>(checked_bytes(array, name, n, sizeof(Row)));
 }
 
-nb::dict layout_dict(const contacts::Layout& layout) {
+using Facts = nb::typed<nb::dict, nb::str, nb::any>;
+
+Facts layout_dict(const contacts::Layout& layout) {
     nb::list fields;
     for (std::size_t k = 0; k < layout.count; ++k) {
         const contacts::Field& f = layout.fields[k];
@@ -99,16 +101,16 @@ nb::dict layout_dict(const contacts::Layout& layout) {
     nb::dict result;
     result["fields"] = fields;
     result["size"] = layout.size;
-    return result;
+    return nb::borrow<Facts>(result);
 }
 
-nb::dict contact_layouts() {
+Facts contact_layouts() {
     nb::dict result;
     result["state"] = layout_dict(contacts::layout_of<contacts::ContactState>(contacts::state_fields));
     result["finished"] = layout_dict(contacts::layout_of<contacts::Finished>(contacts::finished_fields));
     result["lubrication"] =
         layout_dict(contacts::layout_of<contacts::LubricationRow>(contacts::lubrication_fields));
-    return result;
+    return nb::borrow<Facts>(result);
 }
 
 constexpr contacts::Kernel soft_sphere = contacts::kernel_of<contacts::SoftSphere>();

@@ -62,14 +62,15 @@ class SubstepDriver:
         if len(table):  # an even number: what the order of the pairs does cancels between two sub-steps
             step.substeps = 2 * ceil(0.5 * task.substeps_per_contact * task.dt / table.shortest)
         h = task.dt / max(step.substeps, 1)
-        inverse = task.inverse_mass, task.inverse_moment
-        increments = [h * i[:, None] * load for i, load in zip(inverse, (task.force, task.torque), strict=True)]
+        velocity_increment = h * task.inverse_mass[:, None] * task.force
+        angular_increment = h * task.inverse_moment[:, None] * task.torque
         finished = np.empty(max(64, 2 * len(table)), FINISHED)
         at = 0
         while at < step.substeps:
             at, count, failed, min_gap, max_overlap = _core.run_substeps(
                 self._kernel, task.box.table, b.position, b.velocity, b.angular_velocity, task.rotation,
-                *increments, *inverse, task.radius, step.impulse, step.angular_impulse, step.contact_impulse,
+                velocity_increment, angular_increment, task.inverse_mass, task.inverse_moment, task.radius,
+                step.impulse, step.angular_impulse, step.contact_impulse,
                 task.active, table.ids, as_bytes(table.parameters), as_bytes(table.lubrication),
                 as_bytes(table.state), as_bytes(table.history), as_bytes(finished), task.time, h,
                 task.overlap_limit, at, step.substeps,

@@ -108,16 +108,18 @@ class Fluid:
         On return only inner faces hold the prediction; halos and faces on walls are set by `project`.
         """
         now, then = self.weights(dt)
-        core, (u, v, w), nu = self.grid.core, self.velocity, self.kinematic_viscosity
+        core, (u, v, w), (su, sv, sw) = self.grid.core, self.velocity, self.tendency
+        nu = self.kinematic_viscosity
         stages = stages or stages_for(dt, self.grid.spacing, nu)
         planes = 9 if self.is_explicit else 3 * max(stages - 2, 1)
         size = planes * u[0].size * self.grid.threads
         if self._scratch.size < size:
             self._scratch = np.zeros(size)
         if self.is_explicit:
-            _core.momentum_explicit(core, u, v, w, *self.tendency, self.p, dt, now, then, nu, force, self._scratch)
+            _core.momentum_explicit(core, u, v, w, su, sv, sw, self.p, dt, now, then, nu, force, self._scratch)
         else:
-            _core.momentum_rate(core, u, v, w, *self.tendency, *self._rate, self.p, now, then, nu, force)
+            ru, rv, rw = self._rate
+            _core.momentum_rate(core, u, v, w, su, sv, sw, ru, rv, rw, self.p, now, then, nu, force)
             for component, (q, rate) in enumerate(zip(self.velocity, self._rate, strict=True)):
                 _core.diffuse_stabilised(core, q, rate, component, dt, nu, stages, self._scratch)
         self._last_dt = dt
