@@ -203,7 +203,7 @@ def load_newest(folder: Path, tell: Callable[[str], None], at: float | None = No
     for path in reversed(found):
         try:
             time = float(read_facts(path)["time_s"])
-            # A step ends within round-off of the time asked.
+            # A step ends within round-off of the target time.
             if at is not None and time > at * (1.0 + 1e-9):
                 times.append(time)
                 continue

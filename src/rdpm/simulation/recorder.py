@@ -20,7 +20,7 @@ from rdpm.simulation.time_loop import TimeLoop
 
 __all__ = ["TABLES", "Recorder"]
 
-#: Names, without ending, and columns.
+#: Names, without suffix, and columns.
 TABLES = {
     "particles": PARTICLE_COLUMNS,
     "contacts": CONTACT_COLUMNS,
