@@ -114,7 +114,7 @@ class RigidMotion:
         self._inertia = np.repeat(bodies.inertia, 3, axis=1)
 
     def contact_inertia(self, layer_volume: Floats, layer_moment: Floats) -> Floats:
-        """Mass and moment of inertia that contacts act on, (N, 2): the body's, and part of the entrained fluid's, eq. (11).
+        """Inertia that contacts act on, (N, 2), eq. (11): the body's, and part of the entrained fluid's.
 
         A stiff lubrication force stops the body within the step; the fluid then gives back velocity and holds the body
         a step later. That exchange alternates and grows where inertia * (2 R_0 - R_1) > 4/3, with R_0 and R_1 the
