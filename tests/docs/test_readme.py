@@ -116,7 +116,7 @@ def test_links_and_file_names_lead_somewhere(page):
     text = page.read_text(encoding="utf-8")
     links = [link.partition("#")[0] for link in re.findall(r"\]\(([^)\s]+)\)", text) if ":" not in link]
     assert [link for link in links if link and not (page.parent / link).exists()] == []
-    named = re.findall(r"`(?:python )?([\w./-]+/[\w.-]+\.(?:py|hpp|cpp|toml|csv|md))`", text)
+    named = re.findall(r"`([\w./-]+/[\w.-]+\.(?:py|hpp|cpp|toml|csv|md))`", text)
     assert [name for name in named if not any((ROOT / start / name).exists() for start in STARTS)] == []
 
 

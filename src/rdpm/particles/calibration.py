@@ -53,7 +53,7 @@ class Calibration:
     )  # fmt: skip
     relaxation_number: float = _constant(
         0.04, "-", "viscous number nu dt / h^2 at which half of the lagged forcing is retained",
-        "drag independent of dt, rebound free of memory", "rdpm validate ten-cate-E3 rebound",
+        "drag independent of dt, rebound free of memory", "rdpm validate ten-cate-e3 rebound",
     )  # fmt: skip
     impact_threshold: float = _constant(
         0.02, "-", "change of a velocity by contact within a step, over the fastest body's speed, that makes an impact",
