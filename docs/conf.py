@@ -18,14 +18,19 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.mathjax",
     "sphinx.ext.napoleon",
+    "sphinx-mathjax-offline",  # formulas without a network
     "from_the_code",
+    "calibration_table",
 ]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 exclude_patterns = ["_build"]
+smartquotes = False  # -- is the beginning of an option
 
 html_theme = "furo"
 html_title = f"rdpm {release}"
+html_static_path = ["static"]
+html_css_files = ["wide.css"]
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # the docstrings say type, shape, unit and range

@@ -6,7 +6,7 @@ import math
 
 __all__ = ["STAGE_COST", "explicit_limit", "stages_for"]
 
-#: Share of its stability limit at which a step is taken.
+#: Fraction of its stability limit at which a step is taken.
 SAFETY = 0.85
 
 #: Cost of one stage in units of a whole explicit step (measured; only the choice by cost depends on it).
@@ -14,7 +14,7 @@ STAGE_COST = 0.15
 
 
 def explicit_limit(spacing: tuple[float, float, float], viscosity: float) -> float:
-    """Largest time step of explicit diffusion with Adams-Bashforth 2.
+    """Largest time step of explicit diffusion with Adams-Bashforth 2: eq. (1) of docs/theory/diffusion.md.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def explicit_limit(spacing: tuple[float, float, float], viscosity: float) -> flo
 
 
 def stages_for(dt: float, spacing: tuple[float, float, float], viscosity: float) -> int:
-    """Stages of the Runge-Kutta-Legendre scheme that make a step stable.
+    """Stages of the Runge-Kutta-Legendre scheme, eq. (2) of docs/theory/diffusion.md, that make a step stable.
 
     Parameters
     ----------

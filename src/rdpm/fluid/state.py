@@ -83,7 +83,7 @@ class Fluid:
             _core.fill_halo(self.grid.core, target, location)
 
     def weights(self, dt: float) -> tuple[float, float]:
-        """Adams-Bashforth 2 weights of the new and the stored tendency for a step of any length.
+        """Adams-Bashforth 2 weights of the new and the stored tendency: a and b in eq. (3) of docs/theory/fluid.md.
 
         Before the first step the stored tendency holds nothing but sources, which then count once.
         """
@@ -93,7 +93,7 @@ class Fluid:
         return 1.0 + ratio, ratio
 
     def predict(self, dt: float, force: tuple[float, float, float], stages: int | None = None) -> None:
-        """Change u, v, w to the velocity before projection; the tendencies are stored for the next step.
+        """Change u, v, w to the velocity before projection, eq. (3) of docs/theory/fluid.md; tendencies are stored.
 
         Parameters
         ----------
@@ -125,7 +125,7 @@ class Fluid:
         self._last_dt = dt
 
     def project(self, dt: float) -> None:
-        """Change u, v, w to be divergence-free, halos current, and the pressure with it."""
+        """Change u, v, w to be divergence-free, halos current, and the pressure: eq. (4) of docs/theory/fluid.md."""
         rotational = 0.0 if self.is_explicit else 0.5 * self.kinematic_viscosity
         self.cfl_rate, self.square_sum = self._projection.project(
             self.grid.core, *self.velocity, self.p, self.increment, dt, rotational

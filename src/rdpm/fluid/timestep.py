@@ -45,7 +45,7 @@ class Choice:
 
 
 def advective_limit(spacing: tuple[float, float, float], speed: tuple[float, float, float], cfl: float) -> float:
-    """Longest step in which the flow crosses at most `cfl` of a cell, summed over the directions.
+    """Longest step in which the flow crosses at most `cfl` of a cell: eq. (1) of docs/theory/time_step.md.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ class Calibration:
     )  # fmt: skip
     relaxation_number: float = _constant(
         0.04, "-", "viscous number nu dt / h^2 at which half of the lagged forcing is retained",
-        "drag independent of dt, rebound free of memory", "rdpm validate ten-cate-E3 rebound",
+        "drag independent of dt, rebound free of memory", "rdpm validate ten-cate-e3 rebound",
     )  # fmt: skip
     impact_threshold: float = _constant(
         0.02, "-", "change of a velocity by contact within a step, over the fastest body's speed, that makes an impact",
@@ -64,14 +64,14 @@ class Calibration:
         "diameter)", _IMPULSE, _FRACTION,
     )  # fmt: skip
     interior_fraction_rotation: tuple[float, float] = _constant(
-        (0.71, -1.07), "-", "the same for an angular impulse, which no pressure answers", _IMPULSE, _FRACTION
+        (0.71, -1.07), "-", "the same for an angular impulse, which drives no pressure", _IMPULSE, _FRACTION
     )
     interior_fraction_predicted: tuple[float, float] = _constant(
         (0.702, -0.50), "-", "the same for an impulse before the projection", _IMPULSE, _FRACTION
     )
     contact_fluid_fraction: float = _constant(
         0.3, "-", "fraction of the entrained fluid in the inertia that contacts and lubrication act on",
-        "calm from 0.2 to 0.4 at density ratios 0.01 to 10; the whole oscillates", "rdpm validate rebound basset",
+        "stable from 0.2 to 0.4 at density ratios 0.01 to 10; the whole oscillates", "rdpm validate rebound basset",
     )  # fmt: skip
     substeps_per_contact: int = _constant(
         100, "-", "sub-steps in the shortest contact within range",

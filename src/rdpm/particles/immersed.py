@@ -67,10 +67,10 @@ class ImmersedBodies:
         self.markers.place(bodies.position, bodies.orientation)
         self.motion.interior = self.interior_momentum(fluid)
         self.inertia = self._contact_inertia()
-        # Until the flow answers, weight less buoyancy moves body and added mass.
+        # In the first step weight less buoyancy moves body and added mass.
         self.load = np.zeros((len(bodies), 6))
-        answering = self.inertia[:, 0] / (bodies.mass + 0.5 * self.motion.fluid_mass)
-        self.load[:, :3] = answering[:, None] * self.motion.weight
+        accelerated = self.inertia[:, 0] / (bodies.mass + 0.5 * self.motion.fluid_mass)
+        self.load[:, :3] = accelerated[:, None] * self.motion.weight
 
     @property
     def hydrodynamic_force(self) -> Floats:
@@ -108,6 +108,8 @@ class ImmersedBodies:
     def spread_lagged_force(self, fluid: Fluid, dt: float, is_isolated: bool) -> float:
         """Spread the lagged forces into the fluid's tendency; returns the unretained part, a fraction of them.
 
+        They are f_lag in eq. (3) of docs/theory/fluid.md.
+
         Variable steps remove what is of first order in dt. The part of a force that is not retained acts at the end of
         a step, where explicit diffusion meets it whole in the next one but diffusion by stages does not, and drag would
         depend on dt: there the whole force is a source, and the unretained part is removed after diffusion. A source
@@ -133,7 +135,8 @@ class ImmersedBodies:
     def impose_no_slip(self, fluid: Fluid, dt: float, before: Floats, impulse: Floats) -> None:
         """Change the fluid velocity to no-slip on the bodies, and the free bodies' velocities with it.
 
-        May be called again after a projection: it then adds what this took.
+        Passes of eq. (6) of docs/theory/immersed_boundary.md, each after eq. (5) of docs/theory/rigid_motion.md. May be
+        called again after a projection: it then adds what this took.
 
         Parameters
         ----------
@@ -166,6 +169,7 @@ class ImmersedBodies:
     def close(self, fluid: Fluid, dt: float, before: Floats, impulse: Floats) -> None:
         """After the last projection: measure the interior, store the lagged forces, find the coming load.
 
+        The load is eq. (12) of docs/theory/rigid_motion.md, the storing eq. (7) of docs/theory/immersed_boundary.md.
         `before` and `impulse` are those of `impose_no_slip`.
         """
         self.markers.store_force(self.bodies.orientation, self._retained_fraction(fluid, dt))

@@ -86,7 +86,7 @@ class Prescription:
             bodies.velocity[body], bodies.angular_velocity[body] = motion.at(time)
 
     def release(self, bodies: Bodies, time: float, gaps: Callable[[], Floats]) -> None:
-        """Free the bodies whose time has come, or whose surface is as close to the next as asked.
+        """Free the bodies whose time has come, or whose surface is close enough to the next one.
 
         `gaps` gives the smallest surface gap of each body, (N,) [m]; it is called only where some body waits for one.
         """

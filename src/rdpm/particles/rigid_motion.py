@@ -1,12 +1,14 @@
 r"""Newton-Euler for bodies in fluid, implicit in the impulse that the markers give the fluid.
 
+Equation numbers are those of docs/theory/rigid_motion.md.
+
 The markers give the fluid an impulse G; the body gets its reaction and what the fluid in its interior gained:
 
 .. math:: m_p (U' - U) = \Delta P_{in} - G + J + \delta t\, B,
 
 with contact impulse J and weight less buoyancy B. G is linear in the new velocity, G = G_old + m_L (U' - u), with
-m_L the fluid of the marker layer and u its velocity. A fraction beta of that impulse is found in the interior once the
-pressure has answered, the rest in the layer's outer half and in the added mass outside, so
+m_L the fluid of the marker layer and u its velocity. A fraction beta of that impulse is found in the interior after
+the projection, the rest in the layer's outer half and in the added mass outside, so
 :math:`\Delta P_{in}` is what was measured on the grid before forcing plus beta (G - G_old). Then
 
 .. math:: (m_p + (1 - \beta) m_L) U' = m_p U + (1 - \beta) m_L u + \ldots
@@ -60,7 +62,7 @@ class BodyEquation:
     lagged: Floats
 
     def solve(self, at_markers: Floats, applied: Floats) -> Floats:
-        """New velocity and angular velocity, (N, 6), from the layer's momentum and what was applied so far."""
+        """New velocity and angular velocity, (N, 6), from the layer's momentum and what was applied so far: eq. (5)."""
         solved: Floats = np.einsum("nij,nj->ni", self.inverse, self.known + self.outer * (at_markers - applied))
         return solved
 
@@ -112,7 +114,7 @@ class RigidMotion:
         self._inertia = np.repeat(bodies.inertia, 3, axis=1)
 
     def contact_inertia(self, layer_volume: Floats, layer_moment: Floats) -> Floats:
-        """Mass and moment of inertia that contacts act on, (N, 2): the body's, and part of the entrained fluid's.
+        """Inertia that contacts act on, (N, 2), eq. (11): the body's, and part of the entrained fluid's.
 
         A stiff lubrication force stops the body within the step; the fluid then gives back velocity and holds the body
         a step later. That exchange alternates and grows where inertia * (2 R_0 - R_1) > 4/3, with R_0 and R_1 the
@@ -134,7 +136,7 @@ class RigidMotion:
     def equation(
         self, dt: float, before: Floats, impulse: Floats, lagged: Floats, interior_motion: Floats, layer_matrix: Floats
     ) -> BodyEquation:
-        """Set up a step's equation.
+        """Set up a step's equation (5).
 
         Parameters
         ----------
@@ -154,7 +156,7 @@ class RigidMotion:
         inertia = outer[:, :, None] * self.density * layer_matrix
         inertia[:, range(6), range(6)] += self._inertia
         predicted = self.momentum(interior_motion)
-        # The pressure has answered the whole of the last force, of which a fraction is retained.
+        # The old pressure is that of the whole last force, of which a fraction is retained: eq. (7).
         predicted[:, :3] += self._pressure_fraction * (dt * self.applied_force - lagged[:, :3])
         known = self._inertia * before + (predicted - self.interior + self.residual) - lagged + impulse
         known[:, :3] += dt * self.weight
@@ -162,14 +164,14 @@ class RigidMotion:
         return BodyEquation(inverse, known, outer, predicted, lagged)
 
     def conclude(self, equation: BodyEquation, applied: Floats, dt: float) -> None:
-        """Forces that follow from what was applied, (N, 6), in a step of `dt`."""
+        """Forces that follow from what was applied, (N, 6), in a step of `dt`: eqs. (1) and (4)."""
         self._expected = equation.predicted + self._fraction * applied
         on_body = (self._expected - self.interior + self.residual - equation.lagged - applied) / dt
         self.hydrodynamic_force, self.hydrodynamic_torque = on_body[:, :3], on_body[:, 3:]
         self.applied_force = (equation.lagged + applied)[:, :3] / dt
 
     def close(self, interior_motion: Floats) -> None:
-        """After projection: what the interior fluid really gained."""
+        """After projection: what the interior fluid really gained, and the residual (6)."""
         self.interior = self.momentum(interior_motion)
         self.residual = self.interior - self._expected
 

@@ -46,9 +46,9 @@ def _points(count: int) -> NDArray[np.float64]:
     patch = count // SYMMETRY
     # A spiral over the sphere; those that fall into the patch x, y, z > 0, z the largest, start the relaxation.
     n = np.arange(8 * count) + 0.5
-    height, turn = 1.0 - 2.0 * n / n.size, math.pi * (1.0 + math.sqrt(5.0)) * n
+    height, azimuth = 1.0 - 2.0 * n / n.size, math.pi * (1.0 + math.sqrt(5.0)) * n
     ring = np.sqrt(1.0 - height**2)
-    spiral = np.stack([ring * np.cos(turn), ring * np.sin(turn), height], axis=1)
+    spiral = np.stack([ring * np.cos(azimuth), ring * np.sin(azimuth), height], axis=1)
     inside = spiral[(spiral[:, 0] > 0) & (spiral[:, 1] > 0) & (spiral[:, 2] >= spiral[:, :2].max(axis=1))]
     points = inside[np.linspace(0, len(inside) - 1, patch).round().astype(int)]
     distance = math.sqrt(4.0 * math.pi / count)

@@ -41,9 +41,9 @@ class Bodies:
     moment_of_inertia : ndarray, (N,), [kg m^2]
         Of a homogeneous sphere, 0.4 m a^2.
     orientation : ndarray, (N, 4), [-]
-        Unit quaternion w, x, y, z turning body axes into box axes.
+        Unit quaternion w, x, y, z that rotates body axes into box axes.
     crossings : ndarray of int64, (N, 3)
-        Times a body left through the upper (+) or lower (-) side of a periodic direction:
+        Times a body left through the upper (+) or lower (-) face of a periodic direction:
         the unwrapped position is ``position + crossings * box_size``.
     """
 

@@ -11,8 +11,8 @@ from types import FrameType
 __all__ = ["Interrupted", "StopRequest", "listening"]
 
 
-class Interrupted(Exception):  # noqa: N818 (no error: the run was asked to end)
-    """A signal asked the run to end, and the step in hand is done."""
+class Interrupted(Exception):  # noqa: N818 (no error: the end of the run was requested)
+    """A signal requested the end of the run, and the step in hand is done."""
 
 
 class StopRequest:

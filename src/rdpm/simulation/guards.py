@@ -9,8 +9,8 @@ from rdpm.errors import BodyLeftError, CflError, DivergenceError, NanError
 
 __all__ = ["check_divergence", "check_step"]
 
-#: Cells the flow may cross in a step. An automatic step aims at half a cell; the squeeze film of a rebound reaches 1.1
-#: for a few steps unharmed, and a run that turns unstable passes 2 at once.
+#: Cells the flow may cross in a step. An automatic step aims at half a cell; the flow in the gap of a rebound reaches
+#: 1.1 for a few steps unharmed, and a run that turns unstable passes 2 at once.
 CFL_LIMIT = 2.0
 
 #: Divergence times the smallest spacing, over the largest speed: round-off of a direct solve stays far below.

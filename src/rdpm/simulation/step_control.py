@@ -20,10 +20,10 @@ GROWTH = 2
 #: Room left to the limit where a step grows, so that the noise of a flow does not make it flicker.
 MARGIN = 0.95
 
-#: Gap [cells] below which a pair has a say: two, within which markers of both share cells, and half a one ahead.
+#: Gap [cells] below which a pair limits the step: two, within which markers of both share cells, and half a one ahead.
 CLOSE = 2.5
 
-#: Shares of a cell by which the gap of a close pair may close, and open, in a step longer than the contact step. The
+#: Fractions of a cell by which the gap of a close pair may close, and open, in a step longer than the contact step. The
 #: speed of approach depends on the step the most: case dkt kisses 0.4 % earlier for every 0.01.
 GAP_CLOSING, GAP_OPENING = 0.02, 0.1
 
@@ -39,7 +39,7 @@ class StepControl:
     longest : float, [s]
         What diffusion allows.
     cfl : float, [-]
-        Largest share of a cell the flow crosses in a step longer than the contact step.
+        Largest fraction of a cell the flow crosses in a step longer than the contact step.
     end : float, [s]
         No step from before leads past it.
 

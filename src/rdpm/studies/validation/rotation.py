@@ -90,7 +90,7 @@ def rotation(quick: bool, tell: Tell) -> Found:
     for across in (8,) if quick else (8, 16):
         tell(f"free sphere in shear, {across} cells a diameter")
         yield Row(
-            f"spin / shear rate, Re_s {SHEAR_RE}, {across} cells/d",
+            f"angular velocity / shear rate, Re_s {SHEAR_RE}, {across} cells/d",
             spin_in_shear(across),
             0.5 - 0.0540 * SHEAR_RE**1.5,
             SHEAR_BAND,
