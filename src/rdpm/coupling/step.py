@@ -55,4 +55,4 @@ def step(system: System, dt: float, is_isolated: bool = False) -> None:
     system.last_contact = contact
     system.time += dt
     system.steps += 1
-    system.prescription.release(bodies, system.time, lambda: nearest_gaps(bodies, contacts.box)[0])
+    system.prescription.release(bodies, system.time, dt, lambda: nearest_gaps(bodies, contacts.box)[0])

@@ -166,8 +166,8 @@ class Recorder:
         row = {
             "step": sim.steps,
             "time_s": sim.time,
-            "dt_s": sim.dt,
-            "cfl": fluid.cfl_rate * sim.dt if fluid else 0.0,
+            "dt_s": sim.last_dt or sim.dt,
+            "cfl": fluid.cfl_rate * (sim.last_dt or sim.dt) if fluid else 0.0,
             "divergence": sim.check_divergence(),
             "kinetic_energy_fluid_J": fluid.kinetic_energy() if fluid else 0.0,
             "kinetic_energy_bodies_J": energy,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Callable
 from typing import Any, Self
@@ -17,6 +18,9 @@ __all__ = ["TimeLoop"]
 
 #: Steps between two checks of the divergence, which read the whole velocity once more.
 DIVERGENCE_EVERY = 100
+
+#: Share of a step that a time may be off by the sum of many steps.
+ROUND_OFF = 1e-6
 
 Progress = Callable[[int, float, float], None]
 
@@ -35,7 +39,9 @@ class TimeLoop:
     Attributes
     ----------
     dt : float, [s]
-        Of the last step, or of all.
+        Of all steps; with a step control, of the last one.
+    last_dt : float, [s]
+        Of the last step, which `run` shortens to end at the time asked.
     shortest_dt, longest_dt : float, [s]
         Of the steps done.
     bodies : Bodies
@@ -46,7 +52,7 @@ class TimeLoop:
 
     def __init__(self, system: System, dt: float, step_control: StepControl | None = None) -> None:
         self.system, self.dt, self.step_control = system, dt, step_control
-        self.shortest_dt = self.longest_dt = 0.0
+        self.last_dt = self.shortest_dt = self.longest_dt = 0.0
         self.wall_seconds = 0.0
         self.max_divergence = 0.0
         self._callbacks: list[tuple[int, Callable[[Any], None]]] = []
@@ -84,8 +90,13 @@ class TimeLoop:
             raise ValueError(f"every = {every}: must be at least 1")
         self._callbacks.append((every, callback))
 
-    def advance(self) -> None:
+    def advance(self, left: float = math.inf) -> None:
         """Make one step, check it, and call back.
+
+        Parameters
+        ----------
+        left : float, [s]
+            Steps end there: the last two share what is left, the last one is no longer.
 
         Raises
         ------
@@ -97,10 +108,10 @@ class TimeLoop:
         is_isolated = False
         if self.step_control is not None:
             self.dt, is_isolated = self.step_control.choose(self.system, self.dt)
-        step(self.system, self.dt, is_isolated)
-        self.shortest_dt = min(self.shortest_dt or self.dt, self.dt)
-        self.longest_dt = max(self.longest_dt, self.dt)
-        check_step(self.system, self.dt)
+        self.last_dt = dt = _fitted(self.dt, left)
+        step(self.system, dt, is_isolated)
+        self.shortest_dt, self.longest_dt = min(self.shortest_dt or dt, dt), max(self.longest_dt, dt)
+        check_step(self.system, dt)
         if self.steps % DIVERGENCE_EVERY == 0:
             self.check_divergence()
         self.wall_seconds += clock.perf_counter() - begin
@@ -115,7 +126,7 @@ class TimeLoop:
         return divergence
 
     def run(self, until: float, progress: bool | Progress = False) -> None:
-        """Make steps until the time is reached; the last one ends at it or, with a given time step, just after.
+        """Make steps until the time is reached; the last one ends at it.
 
         Parameters
         ----------
@@ -134,7 +145,15 @@ class TimeLoop:
             with bar(until) as tell:
                 self.run(until, tell)
             return
-        while self.time < until - 1e-6 * self.dt:
-            self.advance()
+        while (left := until - self.time) > ROUND_OFF * self.dt:
+            self.advance(left)
             if progress:
                 progress(self.steps, self.time, until)
+
+
+def _fitted(dt: float, left: float) -> float:
+    """A step of at most `dt`, so that steps end where only `left` is left; none of a small part of `dt`."""
+    room = ROUND_OFF * dt
+    if left < dt - room:
+        return left
+    return 0.5 * left if dt + room < left < 2.0 * dt - room else dt
