@@ -38,7 +38,7 @@ EDITS = (
     ),
     Edit(
         "two outer iterations in every step", "coupling/impacts.py", " else 1", " else 2",
-        "tests/property/test_coupling_contact.py",
+        "tests/property/test_impacts.py",
     ),
     Edit(
         "lagged forces not placed at half a step", "particles/immersed.py",
@@ -62,7 +62,7 @@ EDITS = (
         "tests/property/test_step_terms.py",
     ),
     Edit(
-        "no margin of the neighbour search for a spring under load", "contacts/substeps.py",
+        "no margin of the neighbour search for a spring under load", "contacts/contacts.py",
         "2.0 * self._history.largest_overlap", "0.0 * self._history.largest_overlap", "tests/unit/test_contact_step.py",
     ),
     Edit(

@@ -275,3 +275,15 @@ def test_layer_matrix_is_the_sums_of_a_rigid_motion() -> None:
     sums = markers.sums(motion[markers.body, :3] + turned)
     np.testing.assert_allclose(np.einsum("nij,nj->ni", markers.layer_matrix(), motion), sums, rtol=1e-12, atol=1e-16)
 
+
+
+def test_markers_of_many_sizes_are_relaxed_once_each() -> None:
+    from rdpm.particles import seeding
+
+    seeding._points.cache_clear()
+    grid = Grid(Box((1.0, 1.0, 1.0)), (20, 20, 20))
+    diameter = np.tile(np.linspace(0.10, 0.30, 60), 2)  # in an order in which no size follows itself
+    bodies = Bodies(diameter, np.full(120, 1000.0), np.full((120, 3), 0.5))
+    markers = MarkerSet(bodies, grid)
+    counts = np.diff(markers.first)
+    assert seeding._points.cache_info().misses == len(np.unique(counts)) > 5

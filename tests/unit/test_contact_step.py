@@ -223,3 +223,43 @@ def test_pair_taken_apart_from_outside_ends_its_contact():
     b.position[0, 2] = 0.05
     assert advance(contacts, 1)[0].touching == 0
     assert contacts.take_episodes()["duration_s"] == pytest.approx(2.5e-3, rel=1e-6)
+
+
+def test_round_off_beside_a_periodic_seam_is_no_crossing():
+    """A body at x = 0 with a velocity far below an ulp of the box a step; one that really leaves counts once."""
+    bodies = Bodies([0.01] * 2, [1000.0] * 2, [[0.0, 0.03, 0.03], [1e-4, 0.01, 0.01]], [[-1e-15, 0, 0], [-0.1, 0, 0]])
+    box = Box((0.06, 0.06, 0.06), ("periodic", "periodic", "periodic"))
+    contacts = Contacts(bodies, box, SoftSphere.from_contact_time(restitution=0.9, contact_time=1e-3))
+    for n in range(100):
+        contacts.advance(1e-4 * n, 1e-4, np.zeros((2, 3)), np.zeros((2, 3)))
+    unwrapped = bodies.position[:, 0] + 0.06 * bodies.crossings[:, 0]
+    np.testing.assert_allclose(unwrapped, [0.0, 1e-4 - 0.1 * 1e-2], rtol=0.0, atol=1e-15)
+    assert bodies.crossings[:, 0].tolist() == [0, -1]
+
+
+def test_a_spring_under_load_meets_a_body_that_was_out_of_reach():
+    """Two spheres pressed together and at rest: within one step the spring throws one of them against a third."""
+    d = 0.01
+    x = np.array([0.02, 0.02 + 0.95 * d, 0.02 + 1.95 * d + 0.6 * 0.05 * d])
+    bodies = Bodies([d] * 3, [2500.0] * 3, np.column_stack([x, np.full(3, 0.05), np.full(3, 0.05)]))
+    box = Box((0.1, 0.1, 0.1))
+    law = SoftSphere.from_stiffness(1e4, restitution=1.0)
+    contacts = Contacts(bodies, box, law)
+    still = np.zeros((3, 3))
+    contacts.advance(0.0, 1e-9, still, still)  # the first pair is remembered, nothing has moved
+    assert np.abs(bodies.velocity).max() < 1e-3
+    step = contacts.advance(1e-9, 2e-3, still, still)
+    assert step.pairs == 2
+    # Without the third in the list, the second would be inside it: it moves 5 % of a diameter in 0.3 ms.
+    assert bodies.velocity[2, 0] > 0.1
+    assert bodies.mass @ bodies.velocity == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
+
+
+def test_activation_distance_of_a_pair_grows_with_its_radius():
+    """As the reduced radius to the 2/3; a wall's does not."""
+    model = Lubrication(0.1, 1.5e-3, pair_cutoff_gap=0.3e-3, pair_touching_gap=0.2e-3, pair_radius=2e-3)
+    radius = np.array([4e-3, 8e-3])
+    pair, wall = model.rows(radius, radius), model.rows(radius, np.full(2, np.inf))
+    np.testing.assert_allclose(pair["cutoff_gap"], [0.3e-3, 0.3e-3 * 2.0 ** (2.0 / 3.0)], rtol=1e-14)
+    np.testing.assert_allclose(pair["touching_gap"], [0.2e-3, 0.2e-3 * 2.0 ** (2.0 / 3.0)], rtol=1e-14)
+    np.testing.assert_allclose(wall["cutoff_gap"], 1.5e-3, rtol=1e-14)

@@ -138,7 +138,8 @@ class Contacts:
         # A spring under load may throw its bodies apart.
         margin = self._lubrication_range + 2.0 * self._history.largest_overlap
         ids = self._neighbours.pairs(force, inverse_mass, dt, margin)
-        step = ContactStep(*np.zeros((3, n, 3)))
+        impulses = np.zeros((3, n, 3))
+        step = ContactStep(impulses[0], impulses[1], impulses[2], np.zeros(n))
         rotation, is_active = np.zeros((n, 3)), np.zeros(n, np.bool_)
         if len(ids) or len(self._history):
             if not self._table.is_of(ids, b):
@@ -161,8 +162,14 @@ class Contacts:
     def _resolve(self, step: ContactStep, task: ContactTask) -> None:
         """Fill `step`; move the bodies of the task, carry and keep the history."""
 
+        def touched(ids: NDArray[np.int32], rows: Rows) -> None:
+            for body in ids.T:
+                is_body = body >= 0
+                np.maximum.at(step.impact_speed, body[is_body], rows["impact_speed"][is_body])
+
         def record(ids: NDArray[np.int32], finished: Rows) -> None:
             self._episodes.add(ids, finished, task.dt)
+            touched(ids, finished)
 
         is_lost = self._history.carry_to(task.table)
         if is_lost.any():
@@ -170,6 +177,7 @@ class Contacts:
         step.pairs = len(task.table)
         self.law.driver.run(task, step, record)
         self._history.keep(task.table)
+        touched(self._history.ids, self._history.states)
         step.touching = len(self._history)
 
     def close_pairs(self, gap: float) -> NDArray[np.int32]:

@@ -31,6 +31,8 @@ class ContactStep:
         Given to each body by contacts and lubrication, prescribed bodies included.
     contact_impulse : ndarray, (N, 3), [N s]
         The part of ``impulse`` that is contact.
+    impact_speed : ndarray, (N,), [m/s]
+        Largest speed at touch of the contacts that a body had in the step; 0 without.
     min_gap : float, [m]
         Smallest gap met in the sub-steps; inf where no pair was in interaction range.
     max_overlap_fraction : float, [-]
@@ -44,6 +46,7 @@ class ContactStep:
     impulse: Floats
     angular_impulse: Floats
     contact_impulse: Floats
+    impact_speed: Floats
     min_gap: float = inf
     max_overlap_fraction: float = 0.0
     pairs: int = 0

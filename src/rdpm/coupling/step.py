@@ -17,8 +17,8 @@ def step(system: System, dt: float, is_isolated: bool = False) -> None:
         system.bodies, system.contacts, system.fluid, system.immersed, system.watch
     )  # fmt: skip
     system.prescription.hold(bodies, system.time, dt)
-    before = bodies.velocities
-    contact = contacts.advance(system.time, dt, *np.hsplit(system.load, 2), *system.inertia.T)
+    before, load = bodies.velocities, system.load
+    contact = contacts.advance(system.time, dt, load[:, :3], load[:, 3:], *system.inertia.T)
     # Positions are those of the new time; velocities are a dry prediction; impulses of contact are known.
     system.prescription.set(bodies, system.time + dt)
     impulse = np.concatenate([contact.impulse, contact.angular_impulse], axis=1)
@@ -38,7 +38,7 @@ def step(system: System, dt: float, is_isolated: bool = False) -> None:
             immersed.remove_unretained_force(fluid, dt, unretained)
         # u, v, w are the new velocity but for the change of forcing and of pressure.
         watch.lap("momentum")
-        for _ in range(outer_iterations(bodies, contact, immersed)):
+        for _ in range(outer_iterations(contact, load, dt, immersed)):
             if immersed is not None:
                 immersed.impose_no_slip(fluid, dt, before, impulse)
                 # The fluid at the markers moves with the bodies; Newton and Euler hold with that forcing.

@@ -56,7 +56,8 @@ class Calibration:
         "drag independent of dt, rebound free of memory", "rdpm validate ten-cate-e3 rebound",
     )  # fmt: skip
     impact_threshold: float = _constant(
-        0.02, "-", "change of a velocity by contact within a step, over the fastest body's speed, that makes an impact",
+        0.02, "-",
+        "change of a velocity within a step, over the speed at which its contact began, that makes an impact",
         "first rebound at Stokes number 152", "rdpm validate rebound",
     )  # fmt: skip
     interior_fraction: tuple[float, float] = _constant(

@@ -40,7 +40,7 @@ def marker_count(radius: float, spacing: float) -> int:
     return SYMMETRY * max(1, round(even / SYMMETRY))
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=1024)  # bodies of many sizes: each count is relaxed once
 def _points(count: int) -> NDArray[np.float64]:
     """Repel points of one patch from all their images until they are even."""
     patch = count // SYMMETRY

@@ -23,10 +23,15 @@ inline void settle(const Box& box, double* x, double* orientation, std::int64_t*
                    const double* rotation) {
     rotate_orientation(orientation, rotation);
     for (int d = 0; d < 3; ++d) {
-        const double times = std::floor(x[d] * box.inverse_period[d]);
+        double times = std::floor(x[d] * box.inverse_period[d]);
         if (times == 0 || !std::isfinite(times)) continue;
         x[d] -= times * box.period[d];
-        if (x[d] >= box.period[d] || x[d] < 0) x[d] = 0;  // round-off beside the seam
+        // Round-off beside the seam: less than an ulp below it is on it, and nothing was crossed.
+        if (x[d] >= box.period[d]) {
+            x[d] = 0;
+            times += 1;
+        }
+        if (x[d] < 0) x[d] = 0;
         crossings[d] += static_cast<std::int64_t>(times);
     }
 }
