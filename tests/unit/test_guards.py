@@ -140,6 +140,13 @@ def test_divergence_above_round_off() -> None:
         check_divergence(sim.system)
 
 
+def test_a_body_that_left_the_box() -> None:
+    sim = running()
+    sim.bodies.position[0, 0] = -1e-4
+    with pytest.raises(BodyLeftError, match=r"^body guard, step 5, .*: body 0, x = -0\.0001: its centre must stay"):
+        check_step(sim.system, sim.dt)
+
+
 def test_a_sound_run_passes() -> None:
     sim = running()
     check_step(sim.system, sim.dt)
@@ -150,8 +157,8 @@ def test_a_sound_run_passes() -> None:
 @pytest.mark.parametrize(
     ("motion", "medium", "status", "message"),
     [
-        ("motion = { velocity = [0.2, 0, 0] }", "dry", "body left", "body guard, step"),
-        ("motion = { velocity = [0.2, 0, 0] }", "wet", "body left", "body guard, step"),
+        ("motion = { velocity = [0.2, 0, 0] }", "dry", "overlap", "overlap guard, step"),
+        ("motion = { velocity = [0.2, 0, 0] }", "wet", "overlap", "overlap guard, step"),
         ("velocity = [0, 0, -0.08]", "wet", "overlap", "contact.overlap_limit"),
     ],
 )
@@ -184,3 +191,31 @@ def test_a_stopped_run_exits_with_3_and_its_files_can_be_read(
     reader.SetFileName(str(folder / ("bodies.vtkhdf" if medium == "dry" else "fields.vtkhdf")))
     reader.Update()
     assert reader.GetNumberOfSteps() >= 2
+
+
+@pytest.mark.parametrize("other", ["wall", "body"])
+def test_a_prescribed_body_driven_into_a_wall_or_a_fixed_body_stops_the_run(other: str) -> None:
+    case = {
+        "domain": {"size": [0.06, 0.06, 0.06], "gravity": [0, 0, 0]},
+        "bodies": [
+            {
+                "diameter": 0.01,
+                "density": 2500.0,
+                "centers": [[0.03, 0.03, 0.02]],
+                "motion": {"velocity": [0, 0, -0.1]},
+            },
+            {"diameter": 0.01, "density": 2500.0, "centers": [[0.03, 0.05, 0.03]]},
+        ],
+        "contact": {"restitution": 0.9, "contact_steps": 8},
+        "time": {"end": 0.2, "step": 1e-3},
+    }
+    if other == "body":
+        fixed = {"diameter": 0.01, "density": 2500.0, "centers": [[0.03, 0.03, 0.0051]], "motion": "fixed"}
+        case["bodies"].append(fixed)
+    sim = rdpm.Simulation(rdpm.load_case(case))
+    with pytest.raises(OverlapError, match=r"overlap guard, .*: body 0 and ") as error:
+        sim.run(until=0.2)
+    assert ("the face z_lower" if other == "wall" else "body 2") in str(error.value)
+    assert "must stay below 1 %" in str(error.value)
+    travelled = 0.02 - sim.bodies.position[0, 2]
+    assert travelled < (0.015 if other == "wall" else 0.0049) + 0.01 * 0.01 + 2e-4  # one step after the limit

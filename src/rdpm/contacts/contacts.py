@@ -165,7 +165,7 @@ class Contacts:
         def touched(ids: NDArray[np.int32], rows: Rows) -> None:
             for body in ids.T:
                 is_body = body >= 0
-                np.maximum.at(step.impact_speed, body[is_body], rows["impact_speed"][is_body])
+                np.fmax.at(step.impact_speed, body[is_body], rows["impact_speed"][is_body])
 
         def record(ids: NDArray[np.int32], finished: Rows) -> None:
             self._episodes.add(ids, finished, task.dt)

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
+from rdpm.contacts.neighbours import gaps_and_rates
+from rdpm.conventions import FACES
 from rdpm.coupling.system import System
-from rdpm.errors import BodyLeftError, CflError, DivergenceError, NanError
+from rdpm.errors import BodyLeftError, CflError, DivergenceError, NanError, OverlapError
 
 __all__ = ["check_divergence", "check_step"]
 
 #: Cells the flow may cross in a step. An automatic step aims at half a cell; the flow in the gap of a rebound reaches
 #: 1.1 for a few steps unharmed, and a run that turns unstable passes 2 at once.
 CFL_LIMIT = 2.0
+
+#: Overlap of bodies whose motion is prescribed, over the diameter, beyond a touch.
+PRESCRIBED_OVERLAP = 0.01
 
 #: Divergence times the smallest spacing, over the largest speed: round-off of a direct solve stays far below.
 DIVERGENCE_LIMIT = 1e-8
@@ -22,7 +27,7 @@ def check_step(system: System, dt: float) -> None:
 
     Raises
     ------
-    NanError, CflError, BodyLeftError
+    NanError, CflError, BodyLeftError, OverlapError
     """
     bodies, fluid = system.bodies, system.fluid
     when = f"step {system.steps}, t = {system.time:.6g} s"
@@ -52,6 +57,8 @@ def check_step(system: System, dt: float) -> None:
                 "a prescribed motion leads out, or a contact was too soft to hold it",
                 "Change the motion, stiffen the contact, or lower time.step.",
             )
+        if not bodies.is_free.all():
+            _check_prescribed(system, when)
     if fluid is None:
         return
     if not np.isfinite(fluid.square_sum):
@@ -72,6 +79,29 @@ def check_step(system: System, dt: float) -> None:
             f"the fastest face moves {fluid.cfl_rate:.3g} cells a second",
             f"Set time.step to {0.5 / fluid.cfl_rate:.2g} s or less, or lower time.cfl.",
         )
+
+
+def _check_prescribed(system: System, when: str) -> None:
+    """No contact keeps bodies of prescribed motion apart from walls and from each other."""
+    bodies, box = system.bodies, system.contacts.box
+    pairs = system.contacts.close_pairs(0.0)
+    i, j = pairs.T
+    pairs = pairs[~bodies.is_free[i] & ((j < 0) | ~bodies.is_free[np.where(j < 0, i, j)])]
+    if not len(pairs):
+        return
+    gap, _ = gaps_and_rates(bodies, box, pairs)
+    depth = -gap / bodies.diameter[pairs[:, 0]]
+    worst = int(np.argmax(depth))
+    if depth[worst] <= PRESCRIBED_OVERLAP:
+        return
+    i, j = (int(n) for n in pairs[worst])
+    raise OverlapError(
+        f"overlap guard, {when}: body {i} and {f'the face {FACES[-1 - j]}' if j < 0 else f'body {j}'}",
+        f"{100.0 * depth[worst]:.3g} % of the diameter",
+        f"must stay below {100.0 * PRESCRIBED_OVERLAP:g} %",
+        "no contact acts where neither can give way: the motion of both is prescribed",
+        "Change the motion, or end it with until = { gap = ... }.",
+    )
 
 
 def check_divergence(system: System) -> float:
