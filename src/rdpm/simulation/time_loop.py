@@ -109,7 +109,13 @@ class TimeLoop:
         if self.step_control is not None:
             self.dt, is_isolated = self.step_control.choose(self.system, self.dt)
         self.last_dt = dt = _fitted(self.dt, left)
-        step(self.system, dt, is_isolated)
+        try:
+            step(self.system, dt, is_isolated)
+        except ValueError:
+            # A kernel refuses bodies that are not finite in the middle of a step: the guard says which.
+            self.system.steps, self.system.time = self.steps + 1, self.time + dt
+            check_step(self.system, dt)
+            raise
         self.shortest_dt, self.longest_dt = min(self.shortest_dt or dt, dt), max(self.longest_dt, dt)
         check_step(self.system, dt)
         if self.steps % DIVERGENCE_EVERY == 0:
