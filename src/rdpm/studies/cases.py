@@ -60,8 +60,8 @@ def changed(
 ) -> tuple[Raw, list[str]]:
     """The same with keys left out and set.
 
-    A contact parameter that is set takes the place of those it cannot stand beside: with ``contact.stiffness``, the
-    ``contact_steps`` of a base go and its ``restitution`` stays.
+    A contact parameter that is set takes the place of those set before that it cannot stand beside: with
+    ``contact.stiffness``, the ``contact_steps`` of a base go and its ``restitution`` stays.
 
     Parameters
     ----------
@@ -82,19 +82,21 @@ def changed(
     --------
     >>> raw = {"contact": {"contact_steps": 8, "restitution": 0.5}}
     >>> changed(raw, [{"contact.stiffness": 50}], (), "study")
-    ({'contact': {'restitution': 0.5, 'stiffness': 50}}, ['contact.contact_steps of the base gives way ...'])
+    ({'contact': {'restitution': 0.5, 'stiffness': 50}}, ['contact.contact_steps gives way to stiffness'])
     """
     made = copy.deepcopy(raw)
     for key in unsets:
         unset_value(made, key, f"{place}: unset")
-    given: set[str] = set()
+    notes: list[str] = []
     for values in sets:
+        given: set[str] = set()
         for key, value in values.items():
             set_value(made, key, copy.deepcopy(value), f"{place}: {key}")
             table, _, name = key.partition(".")
             if table == "contact" and name in _CONTACT_PARAMETERS:
                 given.add(name)
-    return made, _give_way(made, given)
+        notes += _give_way(made, given)
+    return made, notes
 
 
 def _give_way(raw: Raw, given: set[str]) -> list[str]:
@@ -112,7 +114,7 @@ def _give_way(raw: Raw, given: set[str]) -> list[str]:
     gone = sorted(present - way)
     for name in gone:
         del contact[name]
-    return [f"contact.{name} of the base gives way to {', '.join(sorted(given))}" for name in gone]
+    return [f"contact.{name} gives way to {', '.join(sorted(given))}" for name in gone]
 
 
 def flat_case(case: Case) -> dict[str, Any]:
@@ -167,7 +169,7 @@ def start_case(case: Case, base: Case | None, at: float) -> Case:
     same = {name: getattr(case.contact, name) for name in _LUBRICATION}
     contact = (base or case).contact.model_copy(update=same)
     output = case.output.model_copy(
-        update={"table_every": at, "fields_every": 0.0, "checkpoint_every": None, "report": False, "video": False}
+        update={"fields_every": 0.0, "checkpoint_every": None, "report": False, "video": False}
     )
     return case.model_copy(update={
         "contact": contact, "output": output, "time": case.time.model_copy(update={"end": at}),

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from rdpm.errors import CaseError
 from rdpm.io.files import replacing
-from rdpm.results.run import load_run
 from rdpm.studies.folder import DONE, STOPPED, Job, StudyFolder
 from rdpm.studies.registry import MEASURES
 from rdpm.studies.results import StudyResults, read_results
+from rdpm.studies.whole import load_whole
 
 if TYPE_CHECKING:
     import pandas
@@ -50,7 +50,8 @@ def collect(folder: StudyFolder) -> StudyResults:
         }
         row |= entry["parameters"]
         if record is not None and record.status in (DONE, STOPPED):
-            row |= _measured(folder, job, measures[entry["study"]] if record.status == DONE else [], measured, row)
+            names = measures[entry["study"]] if record.status == DONE else []
+            row |= _measured(folder, job, jobs.get(job.start), names, measured, row)
         row["rdpm_version"] = record.rdpm_version if record else None
         rows.append(row)
     _write(folder, _frame(rows))
@@ -58,12 +59,12 @@ def collect(folder: StudyFolder) -> StudyResults:
 
 
 def _measured(
-    folder: StudyFolder, job: Job, names: list[str], measured: dict[tuple[str, str], Mapping[str, Any]],
-    row: dict[str, Any],
+    folder: StudyFolder, job: Job, start: Job | None, names: list[str],
+    measured: dict[tuple[str, str], Mapping[str, Any]], row: dict[str, Any],
 ) -> dict[str, Any]:
     """Measures of a run, each taken once, and what it cost."""
     try:
-        run = load_run(folder.work(job).path)
+        run = load_whole(folder.work(job), folder.work(start) if start else None)
     except CaseError as error:
         row["status"], row["reason"] = "failed", str(error)
         return {}

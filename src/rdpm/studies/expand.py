@@ -102,18 +102,21 @@ def _rows(study: LoadedStudy) -> Iterator[tuple[Row, str]]:
         length = len(next(iter(columns.values())))
         axis = []
         for n in range(length):
-            values = {key: columns[key][n] for key in keys}
-            label = columns["name"][n] if "name" in columns else "_".join(_labelled(k, v, n) for k, v in values.items())
-            axis.append((label, values))
+            cells = {key: columns[key][n] for key in keys}
+            label = columns["name"][n] if "name" in columns else "_".join(_labelled(k, v, n) for k, v in cells.items())
+            axis.append((label, cells))
         axes.append(axis)
     if axes:
         place = study.place("vary") if file.vary else study.place("linked")
         for number, combination in enumerate(itertools.product(*axes)):
-            values = {key: value for _, part in combination for key, value in part.items()}
-            name = "_".join(label for label, _ in combination)
-            yield Row(name=name if len(name) <= 80 else f"run-{number:03d}", set={}).model_copy(
-                update={"set": values}
-            ), place
+            together = {key: value for _, part in combination for key, value in part.items()}
+            # what has one value only tells no runs apart
+            name = "_".join(
+                label for (label, _), axis in zip(combination, axes, strict=True)
+                if len(axis) > 1 or all(len(other) == 1 for other in axes)
+            )
+            row = Row(name=name if len(name) <= 80 else f"run-{number:03d}")
+            yield row.model_copy(update={"set": together}), place
     for n, row in enumerate(file.runs):
         yield row, study.place("runs", n)
     if not axes and not file.runs:

@@ -1,8 +1,8 @@
 """What a study can measure, draw and claim, by the names that a study file uses.
 
-A measure is a function of one run's folder. It returns columns of the study's table: a flat dict from names with units
-(``kiss_time_s``) to numbers, words or None, always with the same names. A drawing gets the whole study and writes files
-into a folder. A claim judges the whole study. To add one, write the function and name it here.
+A measure is a function of one run, from time zero on. It returns columns of the study's table: a flat dict from names
+with units (``kiss_time_s``) to numbers, words or None, always with the same names. A drawing gets the whole study and
+writes files into a folder. A claim judges the whole study. To add one, write the function and name it here.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from rdpm.studies.run_measures import contact_totals, dkt_phases, extremes
+from rdpm.studies.run_measures import contact_totals, dkt_phases, end_state, extremes, rebound
 
 if TYPE_CHECKING:
     from rdpm.results.run import Run
@@ -65,7 +65,9 @@ class Judgement:
 MEASURES: dict[str, Measure] = {
     "contacts": contact_totals,
     "dkt": dkt_phases,
+    "end": end_state,
     "extremes": extremes,
+    "rebound": rebound,
 }
 
 DRAWINGS: dict[str, Drawing] = {}

@@ -7,8 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rdpm.errors import CaseError
-from rdpm.results.run import Run, load_run
+from rdpm.results.run import Run
+from rdpm.results.run_folder import RunFolder
 from rdpm.studies.folder import StudyFolder
+from rdpm.studies.whole import load_whole
 
 if TYPE_CHECKING:
     import pandas
@@ -56,7 +58,7 @@ class StudyResults:
         return self.table[same & (self.table["status"] == "done")]
 
     def run(self, name: str, study: str = "") -> Run:
-        """Read the folder of a run.
+        """Read a run from time zero on, its common start included.
 
         Parameters
         ----------
@@ -70,7 +72,10 @@ class StudyResults:
         CaseError
             There is no such run, or its folder is not whole.
         """
-        return load_run(self.run_folder(name, study))
+        folder = self.run_folder(name, study)
+        jobs = {self.folder.work(job).path: job for job in self.folder.jobs()}
+        start = next((job for job in jobs.values() if job.name == jobs[folder].start), None)
+        return load_whole(RunFolder(folder), self.folder.work(start) if start else None)
 
     def run_folder(self, name: str, study: str = "") -> Path:
         """Where a run is; see `run`."""
