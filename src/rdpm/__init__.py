@@ -10,9 +10,13 @@ from rdpm.parallel.threads import wait_passively
 wait_passively()   # before anything loads the kernels
 
 __version__ = "0.1.0"
-__all__ = ["Simulation", "design", "load_case"]
+__all__ = ["Simulation", "Study", "design", "load_case"]
 
-_HOME = {"Simulation": "rdpm.setup.build", "load_case": "rdpm.config.load"}
+_HOME = {
+    "Simulation": "rdpm.setup.build",
+    "Study": "rdpm.studies.study",
+    "load_case": "rdpm.config.load",
+}
 
 
 def __getattr__(name: str) -> Any:

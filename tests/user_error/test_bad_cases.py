@@ -197,27 +197,27 @@ WRONG = [
         "dkt",
         "cells_per_diameter = 8",
         "cells_per_diameter = 3",
-        ":34: resolution.cells_per_diameter = 3: must be at ",
+        ":35: resolution.cells_per_diameter = 3: must be at ",
     ),
     (
         "dkt",
         "cells_per_diameter = 8",
         "",
-        ':33: resolution: must have exactly one of "cells_per_diameter" and ',
+        ':34: resolution: must have exactly one of "cells_per_diameter" and ',
     ),
     (
         "dkt",
         "cells_per_diameter = 8",
         "cells = [20, 20, 100]",
-        ":34: resolution.cells = [20, 20, 100]: must put at "
+        ":35: resolution.cells = [20, 20, 100]: must put at "
         "least 4 cells across the smallest body, not 3 in x (the flow around it is not resolved). "
         "Use at least 27",
     ),
-    ("dkt", '"4 s"', "0", ":37: time.end = 0: must be positive."),
-    ("dkt", 'step = "auto"', 'step = "5 s"', ":38: time.step = 5.0: must not be longer than time.end = 4 s."),
-    ("dkt", 'step = "auto"', 'step = "quick"', ':38: time.step = "quick": must be "auto", "adaptive" or a time.'),
-    ("dkt", '"10 ms"', "0", ":42: output.table_every = 0: must be positive."),
-    ("dkt", '"0.1 s"', "-1", ":43: output.fields_every = -1: must not be negative."),
+    ("dkt", '"4 s"', "0", ":38: time.end = 0: must be positive."),
+    ("dkt", 'step = "auto"', 'step = "5 s"', ":39: time.step = 5.0: must not be longer than time.end = 4 s."),
+    ("dkt", 'step = "auto"', 'step = "quick"', ':39: time.step = "quick": must be "auto", "adaptive" or a time.'),
+    ("dkt", '"10 ms"', "0", ":43: output.table_every = 0: must be positive."),
+    ("dkt", '"0.1 s"', "-1", ":44: output.fields_every = -1: must not be negative."),
     ("dkt", "[contact]", "[contact", ":23: must be TOML: "),
     ("dkt", "[contact]", "[contact]\nx = " + "[" * 5000 + "]" * 5000, ": must be TOML of a few levels"),
     (

@@ -17,7 +17,8 @@ from rdpm.errors import RdpmError
 
 __all__ = ["app", "main"]
 
-VERBS = ("new", "check", "run", "design", "report", "validate", "bench", "info")  # rdpm.cli.VERB has a function VERB
+# rdpm.cli.VERB has a function VERB
+VERBS = ("new", "check", "run", "design", "study", "report", "validate", "bench", "info")
 
 USAGE, STOPPED, INTERNAL, INTERRUPTED = 2, 3, 1, 130
 

@@ -30,6 +30,7 @@ __all__ = [
     "Quantity",
     "Whole",
     "items",
+    "placed",
 ]
 
 
@@ -160,7 +161,7 @@ class Components(Declared):
         listed = items(value)
         if len(listed) != 3:
             raise RuleError("must have three components, x, y and z", value=value)
-        x, y, z = (_placed(i, self.item.check, item) for i, item in enumerate(listed))
+        x, y, z = (placed(i, self.item.check, item) for i, item in enumerate(listed))
         return x, y, z
 
     def describe(self) -> dict[str, Any]:
@@ -172,11 +173,11 @@ class Components(Declared):
 class EachOf(Declared):
     """A list of any length."""
 
-    item: Quantity | Components
+    item: Quantity | Whole | Components
 
     def check(self, value: Any) -> tuple[Any, ...]:
         """Return it as a tuple."""
-        return tuple(_placed(i, self.item.check, item) for i, item in enumerate(items(value)))
+        return tuple(placed(i, self.item.check, item) for i, item in enumerate(items(value)))
 
     def describe(self) -> dict[str, Any]:
         """What an item is."""
@@ -262,12 +263,13 @@ def _depth(value: Any) -> int:
     return 1 + (_depth(value[0]) if value else 0)
 
 
-def _placed(at: int, check: Callable[[Any], Any], value: Any) -> Any:
-    """Check an item; what is wrong with it is placed one level deeper, at `at`."""
+def placed(at: int | str, check: Callable[..., Any], *given: Any) -> Any:
+    """Call a check; what goes wrong in it is placed one level deeper, at `at`."""
     try:
-        return check(value)
+        return check(*given)
     except RuleError as problem:
         raise problem.below(at) from None
+
 
 
 def _quoted(name: str) -> str:

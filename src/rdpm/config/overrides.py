@@ -10,7 +10,7 @@ from typing import Any
 from rdpm.config.rule import Path, shown
 from rdpm.errors import CaseError
 
-__all__ = ["apply_overrides"]
+__all__ = ["apply_overrides", "set_value", "unset_value"]
 
 _STEP = re.compile(r"([A-Za-z0-9_-]+)((?:\[\d{1,9}\])*)")
 
@@ -54,23 +54,85 @@ def apply_overrides(raw: dict[str, Any], overrides: Sequence[str]) -> dict[Path,
                 "must be key=value",
                 cure="Write for example --set fluid.viscosity=0.1.",
             )
-        path = _path(name.strip())
+        path = _path(name.strip(), f"--set {_short(name.strip())}")
         _put(raw, path, _value(text.strip()), f"--set {_short(name.strip())}")
         places[path] = "--set"
     return places
+
+
+def set_value(raw: dict[str, Any], key: str, value: Any, place: str) -> None:
+    """Set one value in a nested dict. Changes `raw`.
+
+    Parameters
+    ----------
+    raw : dict
+        What a case file holds.
+    key : str
+        Dotted; list items by ``bodies[0].density``.
+    value : object
+        As TOML gives it.
+    place : str
+        What sets it, for the message.
+
+    Raises
+    ------
+    CaseError
+        A key that cannot be, an item that is not there.
+
+    Examples
+    --------
+    >>> raw = {"bodies": [{"density": 1000}]}
+    >>> set_value(raw, "bodies[0].density", 1120, "study")
+    >>> raw
+    {'bodies': [{'density': 1120}]}
+    """
+    _put(raw, _path(key, place), value, place)
+
+
+def unset_value(raw: dict[str, Any], key: str, place: str) -> None:
+    """Remove a key from a nested dict. Changes `raw`.
+
+    Parameters
+    ----------
+    raw : dict
+    key : str
+        Dotted; of a table.
+    place : str
+        What removes it, for the message.
+
+    Raises
+    ------
+    CaseError
+        It is not there.
+
+    Examples
+    --------
+    >>> raw = {"fluid": {"density": 1000}, "time": {"end": 1}}
+    >>> unset_value(raw, "fluid", "study")
+    >>> raw
+    {'time': {'end': 1}}
+    """
+    container: Any = raw
+    *above, last = _path(key, place)
+    try:
+        for step in above:
+            container = container[step]
+        del container[last]
+    except (KeyError, IndexError, TypeError):
+        raise CaseError(place, None, "must name a key of the case", f"{shown(key)} is not there") from None
 
 
 def _short(text: str) -> str:
     return shown(text)[1:-1]
 
 
-def _path(name: str) -> Path:
+def _path(name: str, place: str) -> Path:
     path: list[str | int] = []
     for step in name.split("."):
         match = _STEP.fullmatch(step)
         if match is None or len(path) > 20:
             raise CaseError(
-                f"--set {_short(name)}",
+                place,
                 None,
                 "must name a key",
                 f"{shown(step)} is not one",

@@ -1,0 +1,230 @@
+"""A changed case for each run of a study: keys set, contact parameters replaced, numerics varied."""
+
+from __future__ import annotations
+
+import copy
+import tomllib
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rdpm.config.body_file import read_body_files
+from rdpm.config.case import Case
+from rdpm.config.contact import DEFAULT_CONTACT
+from rdpm.config.load import load_case
+from rdpm.config.overrides import set_value, unset_value
+from rdpm.config.source import parse_toml, read_source
+from rdpm.config.write import case_to_toml
+from rdpm.errors import CaseError
+from rdpm.setup import plan
+
+__all__ = ["base_raw", "changed", "flat_case", "start_case", "varied_numerics", "with_start_key"]
+
+Raw = dict[str, Any]
+
+# The four ways to give a contact, each whole; what a study sets chooses among them.
+_WAYS = (
+    {"stiffness", "damping"},
+    {"stiffness", "restitution"},
+    {"contact_steps", "restitution"},
+    {"max_overlap", "impact_speed", "restitution"},
+)
+_CONTACT_PARAMETERS = set().union(*_WAYS)
+_LUBRICATION = ("lubrication", "lubrication_roughness")
+
+
+def base_raw(source: Any, folder: Any) -> Raw:
+    """What the base case of a study holds.
+
+    Parameters
+    ----------
+    source : str or dict
+        A shipped name, a path from `folder`, or a dict.
+    folder : pathlib.Path
+
+    Raises
+    ------
+    CaseError
+    """
+    if isinstance(source, dict):
+        return copy.deepcopy(source)
+    from rdpm.cases import shipped_names
+
+    text, label, home = read_source(source if source in shipped_names() else folder / source)
+    raw = parse_toml(text, label)
+    read_body_files(raw, home, {})
+    return raw
+
+
+def changed(
+    raw: Raw, sets: Iterable[Mapping[str, Any]], unsets: Iterable[str], place: str
+) -> tuple[Raw, list[str]]:
+    """The same with keys left out and set.
+
+    A contact parameter that is set takes the place of those set before that it cannot stand beside: with
+    ``contact.stiffness``, the ``contact_steps`` of a base go and its ``restitution`` stays.
+
+    Parameters
+    ----------
+    raw : dict
+    sets : iterable of mapping
+        Dotted keys and values; later ones count.
+    unsets : iterable of str
+        Keys that are left out first.
+    place : str
+        For messages.
+
+    Returns
+    -------
+    dict, list of str
+        And what was replaced, as sentences.
+
+    Examples
+    --------
+    >>> raw = {"contact": {"contact_steps": 8, "restitution": 0.5}}
+    >>> changed(raw, [{"contact.stiffness": 50}], (), "study")
+    ({'contact': {'restitution': 0.5, 'stiffness': 50}}, ['contact.contact_steps gives way to stiffness'])
+    """
+    made = copy.deepcopy(raw)
+    for key in unsets:
+        unset_value(made, key, f"{place}: unset")
+    notes: list[str] = []
+    for values in sets:
+        given: set[str] = set()
+        for key, value in values.items():
+            set_value(made, key, copy.deepcopy(value), f"{place}: {key}")
+            table, _, name = key.partition(".")
+            if table == "contact" and name in _CONTACT_PARAMETERS:
+                given.add(name)
+        notes += _give_way(made, given)
+    return made, notes
+
+
+def _give_way(raw: Raw, given: set[str]) -> list[str]:
+    contact = raw.get("contact")
+    if not given or not isinstance(contact, dict):
+        return []
+    present = _CONTACT_PARAMETERS & set(contact)
+    known = present | (set(DEFAULT_CONTACT) if present == given else set())
+    fitting = [way for way in _WAYS if given <= way <= known]
+    if not fitting:
+        return []  # the case itself says what is missing
+    way = min(fitting, key=lambda way: len(way - given))
+    for name in sorted(way - present):
+        contact[name] = DEFAULT_CONTACT[name]
+    gone = sorted(present - way)
+    for name in gone:
+        del contact[name]
+    return [f"contact.{name} gives way to {', '.join(sorted(given))}" for name in gone]
+
+
+def flat_case(case: Case) -> dict[str, Any]:
+    """Dotted keys of a case with their values in SI; lists of numbers as lists.
+
+    Examples
+    --------
+    >>> flat_case(load_case("dkt"))["fluid.viscosity"]
+    0.113
+    """
+    found: dict[str, Any] = {}
+
+    def walk(value: Any, key: str) -> None:
+        if isinstance(value, dict):
+            for name, item in value.items():
+                walk(item, f"{key}.{name}" if key else name)
+        elif isinstance(value, list) and any(isinstance(item, dict) for item in value):
+            for n, item in enumerate(value):
+                walk(item, f"{key}[{n}]")
+        else:
+            found[key] = value
+
+    walk(tomllib.loads(case_to_toml(case)), "")
+    return found
+
+
+def with_start_key(case: Case) -> str:
+    """What runs with a common start share: all but title, end, output, and contact other than lubrication."""
+    keys = flat_case(case)
+    kept = {
+        key: value
+        for key, value in keys.items()
+        if key not in ("title", "time.end")
+        and not key.startswith("output.")
+        and (not key.startswith("contact.") or key.removeprefix("contact.") in _LUBRICATION)
+    }
+    return repr(sorted(kept.items()))
+
+
+def start_case(case: Case, base: Case | None, at: float) -> Case:
+    """The case of a common start.
+
+    Parameters
+    ----------
+    case : Case
+        Of one of the runs.
+    base : Case, optional
+        Whose contact is taken, as no contact happens; `case`'s without it.
+    at : float, [s]
+        Its end.
+    """
+    same = {name: getattr(case.contact, name) for name in _LUBRICATION}
+    contact = (base or case).contact.model_copy(update=same)
+    output = case.output.model_copy(
+        update={"fields_every": 0.0, "checkpoint_every": None, "report": False, "video": False}
+    )
+    return case.model_copy(update={
+        "contact": contact, "output": output, "time": case.time.model_copy(update={"end": at}),
+    })
+
+
+def varied_numerics(
+    case: Case, place: str, *, shift: Any = None, seed: int | None = None, step: float | None = None
+) -> Case:
+    """A case with a change that physics does not know.
+
+    Parameters
+    ----------
+    case : Case
+        Wet.
+    place : str
+        For messages.
+    shift : (3,) floats, optional, [cells]
+        Moves all bodies.
+    seed : int, optional
+        Turns the markers of all bodies.
+    step : float, optional, [s]
+        Contacts of a given number of steps keep their length in time.
+
+    Raises
+    ------
+    CaseError
+        It cannot be changed so.
+    """
+    raw = tomllib.loads(case_to_toml(case))
+    if shift is not None:
+        cells = plan(case).cells
+        if cells is None:
+            raise CaseError(place, None, "must not shift the bodies of a dry case", "it has no grid")
+        move = [part * length / n for part, length, n in zip(shift, case.domain.size, cells, strict=True)]
+        for n, group in enumerate(raw.get("bodies", [])):
+            if "centers" in group:
+                group["centers"] = [[x + dx for x, dx in zip(c, move, strict=True)] for c in group["centers"]]
+            elif "lattice" in group and "origin" in group["lattice"]:
+                lattice = group["lattice"]
+                lattice["origin"] = [x + dx for x, dx in zip(lattice["origin"], move, strict=True)]
+            else:
+                raise CaseError(
+                    place, None, "must not shift bodies without a given place", f"bodies[{n}] is packed at random",
+                    "Vary bodies[0].packing.seed instead.",
+                )
+    if seed is not None:
+        for n, group in enumerate(raw.get("bodies", [])):
+            group["orientation_seed"] = seed + n
+    if step is not None:
+        if case.contact.contact_steps is not None:
+            steps = case.contact.contact_steps * plan(case).step.dt / step
+            raw["contact"]["contact_steps"] = round(steps, 12)
+        raw["time"]["step"] = step
+    try:
+        return load_case(raw)
+    except CaseError as error:
+        raise CaseError(f"{place}: {error.place}", error.value, error.rule, error.reason, error.cure) from None
