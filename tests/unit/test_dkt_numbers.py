@@ -41,7 +41,7 @@ def test_every_number_of_a_smooth_motion():
     assert found.contact_episodes == 2
     assert found.first_kiss_s == found.gap_kisses[0].start_s
     assert found.min_gap_fraction == -0.004
-    assert found.tumble_time_s == pytest.approx(3.0, abs=EXACT)
+    assert found.tumble_start_s == pytest.approx(3.0, abs=EXACT)
     assert found.final_angle_deg == pytest.approx(120.0)
     # One diameter a second from 3.0 s on.
     assert found.separation_rate_m_s == pytest.approx(D)
@@ -57,7 +57,7 @@ def test_the_sampling_interval_does_not_matter(rows):
     found = pair_numbers(*standard(np.linspace(0.0, 4.0, rows)), D, D, GRAVITY)
     assert found.drafting_start_s == pytest.approx(fine.drafting_start_s, abs=EXACT)
     assert found.gap_kisses == (pytest.approx(fine.gap_kisses[0], abs=EXACT),)
-    assert found.tumble_time_s == pytest.approx(fine.tumble_time_s, abs=EXACT)
+    assert found.tumble_start_s == pytest.approx(fine.tumble_start_s, abs=EXACT)
     assert found.separation_rate_m_s == pytest.approx(fine.separation_rate_m_s)
 
 
@@ -74,7 +74,7 @@ def test_noise_moves_times_by_no_more_than_it_takes_to_cross_it(seed):
     assert len(found.gap_kisses) == 1
     assert found.gap_kisses[0] == pytest.approx(smooth.gap_kisses[0], abs=4 * 0.002)
     assert found.drafting_start_s == pytest.approx(smooth.drafting_start_s, abs=8 * 0.002)
-    assert found.tumble_time_s == pytest.approx(smooth.tumble_time_s, abs=4.0 / 90.0)
+    assert found.tumble_start_s == pytest.approx(smooth.tumble_start_s, abs=4.0 / 90.0)
     # Slope of 960 rows over 0.48 s: standard error 0.002 * sqrt(12 / 960) / 0.48 = 0.0005 d/s.
     assert found.separation_rate_m_s == pytest.approx(D, rel=4 * 0.0005)
     # Without hysteresis noise of this size makes kisses of its own.
@@ -87,7 +87,7 @@ def test_several_kisses_are_several():
     found = pair_numbers(*pair(times, gap, 0 * times), D, D, GRAVITY)
     # The rise to 2.5 % at 2.5 s ends no kiss; those to 10 % do.
     assert [kiss.duration_s for kiss in found.gap_kisses] == pytest.approx([0.12, 1.2, 0.12], abs=EXACT)
-    assert found.tumble_time_s is None
+    assert found.tumble_start_s is None
     assert found.separation_rate_m_s is None
     assert len(gap_kisses(times, gap / 1.0, contact_time=1.0)) == 1
 
@@ -95,7 +95,7 @@ def test_several_kisses_are_several():
 def test_no_kiss():
     times = np.linspace(0.0, 2.0, 201)
     found = pair_numbers(*pair(times, np.interp(times, [0, 1, 2], [1.0, 0.5, 1.0]), 60.0 + 0 * times), D, D, GRAVITY)
-    assert (found.gap_kisses, found.contact_kisses, found.first_kiss_s, found.tumble_time_s) == ((), (), None, None)
+    assert (found.gap_kisses, found.contact_kisses, found.first_kiss_s, found.tumble_start_s) == ((), (), None, None)
     assert found.drafting_start_s == pytest.approx(0.1, abs=EXACT)
     assert found.min_gap_fraction == pytest.approx(0.5)
     apart = pair_numbers(*pair(times, 1.0 + 0.01 * times, 0 * times), D, D, GRAVITY)
@@ -116,11 +116,11 @@ def test_a_pair_that_wavers_at_45_degrees_has_not_tumbled():
     touching = np.zeros(401)
     wavers = np.interp(times, [0, 1, 2, 3, 4], [0.0, 47.0, 30.0, 90.0, 90.0])
     found = pair_numbers(*pair(times, touching, wavers), D, D, GRAVITY)
-    assert found.tumble_time_s == pytest.approx(2.25, abs=EXACT)
+    assert found.tumble_start_s == pytest.approx(2.25, abs=EXACT)
     ends = np.interp(times, [0, 4], [0.0, 48.0])
-    assert pair_numbers(*pair(times, touching, ends), D, D, GRAVITY).tumble_time_s == pytest.approx(3.75, abs=EXACT)
+    assert pair_numbers(*pair(times, touching, ends), D, D, GRAVITY).tumble_start_s == pytest.approx(3.75, abs=EXACT)
     back = np.interp(times, [0, 2, 4], [0.0, 48.0, 0.0])
-    assert pair_numbers(*pair(times, touching, back), D, D, GRAVITY).tumble_time_s is None
+    assert pair_numbers(*pair(times, touching, back), D, D, GRAVITY).tumble_start_s is None
 
 
 def test_contacts_closer_than_a_contact_time_are_one_kiss():
@@ -142,14 +142,14 @@ def test_periodic_boundaries_change_nothing():
     free = pair_numbers(*motion, D, D, GRAVITY)
     found = pair_numbers(motion[0], *wrapped, D, D, GRAVITY, period=box)
     assert found.gap_kisses == (pytest.approx(free.gap_kisses[0], abs=EXACT),)
-    for name in ("drafting_start_s", "min_gap_fraction", "tumble_time_s", "separation_rate_m_s", "lateral_drift_m"):
+    for name in ("drafting_start_s", "min_gap_fraction", "tumble_start_s", "separation_rate_m_s", "lateral_drift_m"):
         assert getattr(found, name) == pytest.approx(getattr(free, name), abs=EXACT)
 
 
 def test_a_pair_still_kissing_has_no_separation_rate():
     times = np.linspace(0.0, 4.0, 401)
     found = pair_numbers(*pair(times, np.interp(times, [0, 1], [1, 0]), np.interp(times, *ANGLE)), D, D, GRAVITY)
-    assert found.tumble_time_s == pytest.approx(3.0, abs=EXACT)
+    assert found.tumble_start_s == pytest.approx(3.0, abs=EXACT)
     assert found.separation_rate_m_s is None
 
 

@@ -56,7 +56,7 @@ class DktNumbers:
         Contacts as they are in ``contacts.csv``.
     min_gap_fraction : float
         Over the smaller diameter, negative in overlap, eq. (5).
-    tumble_time_s : float or None
+    tumble_start_s : float or None
         The line of centres passes 45 degrees, after the first kiss of either kind began, eq. (6).
     final_angle_deg : float
         See `line_of_centres`.
@@ -71,7 +71,7 @@ class DktNumbers:
     contact_kisses: tuple[Kiss, ...]
     contact_episodes: int
     min_gap_fraction: float
-    tumble_time_s: float | None
+    tumble_start_s: float | None
     final_angle_deg: float
     separation_rate_m_s: float | None
     lateral_drift_m: float
@@ -154,7 +154,7 @@ def pair_numbers(
         contact_kisses=by_contact,
         contact_episodes=len(rows["start_s"]),
         min_gap_fraction=min(float(fraction.min()), -overlap),
-        tumble_time_s=tumble,
+        tumble_start_s=tumble,
         final_angle_deg=float(angle[-1]),
         separation_rate_m_s=None if rate is None else rate * smaller,
         lateral_drift_m=_drift((first, diameter_0), (second, diameter_1), gravity, period),
