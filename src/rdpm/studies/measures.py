@@ -243,12 +243,12 @@ def at_times(times: Sequence[float]) -> Callable[[Run], Columns]:
                 if name == "settling_speed_m_s":
                     values = tracks.velocity.mean(axis=1) @ down
                 elif tracks.count == 2:
-                    # the nearest image: of positions without jumps the line of centres has none either
                     first, second = tracks.position[:, 0], tracks.position[:, 1]
                     values = line_of_centres(first, second, run.gravity, run.period)
             for time in times:
-                inside = values is not None and tracks is not None and tracks.times[0] <= time <= tracks.times[-1]
-                value = np.interp(time, tracks.times, values) if inside and tracks is not None else None
+                value = None
+                if tracks is not None and values is not None and tracks.times[0] <= time <= tracks.times[-1]:
+                    value = np.interp(time, tracks.times, values)
                 found[f"{name}@{time:g}"] = _number(value)
         return found
 

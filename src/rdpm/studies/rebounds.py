@@ -59,7 +59,7 @@ def first_rebound(run: Run) -> dict[str, float | None]:
     return found
 
 
-def _first_impact(run: Run) -> tuple[int, int, float, float]  | None:
+def _first_impact(run: Run) -> tuple[int, int, float, float] | None:
     """Body, wall, start and start of the next impact of the two (inf: none)."""
     rows = run.contacts
     walls = np.flatnonzero(rows["j"] < 0) if rows is not None else np.zeros(0, int)
