@@ -8,8 +8,10 @@ Their spread is two standard deviations,
 and two runs differ when they differ by more than :math:`\sqrt2\,S`, as each of the two has this spread. Half the range
 is not used: it rests on two runs of the n and grows with n (for normal scatter 1.03 standard deviations at n = 4, 1.27
 at n = 6), so that studies with different n could not be compared. With n = 4 to 6 the standard deviation itself is
-known to 30 to 40 % (:math:`1/\sqrt{2(n-1)}`); for normal scatter two runs that differ by numerics alone are then told apart
-wrongly in 14 of 100 cases at n = 4 and in 10 at n = 6. What spans decades in a sweep is compared by its logarithm.
+known to 30 to 40 % (:math:`1/\sqrt{2(n-1)}`); for normal scatter two runs that differ by numerics alone are then told
+apart wrongly in 14 of 100 cases at n = 4 and in 10 at n = 6.
+
+What spans decades in a sweep is compared by its logarithm.
 """
 
 from __future__ import annotations

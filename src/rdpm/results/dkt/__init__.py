@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rdpm.results.dkt.geometry import line_of_centres, pair_gap
 from rdpm.results.dkt.numbers import DktNumbers, Kiss, contact_kisses, gap_kisses, pair_numbers
-from rdpm.results.dkt.phases import KISS_GAP, TUMBLE_ANGLE, DktPhases, from_particles_table, phases
+from rdpm.results.dkt.pair_phases import KISS_GAP, TUMBLE_ANGLE, DktPhases, from_particles_table, phases
 
 __all__ = [
     "KISS_GAP",

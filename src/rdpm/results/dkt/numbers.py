@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rdpm.results.dkt.geometry import continued, line_of_centres, pair_gap
-from rdpm.results.dkt.phases import KISS_GAP, TUMBLE_ANGLE
+from rdpm.results.dkt.pair_phases import KISS_GAP, TUMBLE_ANGLE
 from rdpm.results.dkt.spells import crossing, merged, spells_below
 
 __all__ = ["DktNumbers", "Kiss", "contact_kisses", "gap_kisses", "pair_numbers"]

@@ -17,8 +17,8 @@ _DAMPING_SWEEP = _TALK | {STIFFNESS: 50.0}
 _WINDOW = _TALK | {DAMPING: 0.15}
 
 _PRESSED = (
-    "The pair meets at a Stokes number far below 10 and the wake then presses it together, so that a contact is a load on a "
-    "spring rather than an impact; at fixed eta_n a stiffer spring is less damped, and may let the pair part once more."
+    "The pair meets at a Stokes number far below 10 and the wake then presses it together: a contact is a load on a "
+    "spring rather than an impact. At fixed eta_n a stiffer spring is less damped, and may let the pair part once more."
 )
 _SINK = "Under a steady load W the overlap is W/k_n."
 _MOTION = ("kiss_time_s", "tumble_start_s", "gap_kiss_total_s", "settling_speed_max_m_s", "final_angle_deg")
@@ -54,10 +54,10 @@ RUN_CLAIMS = (
     Claim("insensitive-in-window", "DKT changes insignificantly for 5e3 <= k_n <= 1e5 dyn/cm.",
           "Refining the range of k_n",
           Insensitive(_MOTION, STIFFNESS, 5.0, 100.0),
-          "The flow turns the pair; the contact keeps it apart, and acts on the flow as far as it lets the spheres overlap.",
+          "The flow turns the pair; the contact keeps it apart, and acts on the flow by the overlap it lets happen.",
           _WINDOW),
     Claim("hard-limit-overlap", "For small N_c the scheme approaches a hard sphere: overlap.", _STEPS_SLIDE,
-          Trend("max_overlap_fraction", STEPS, True), 
+          Trend("max_overlap_fraction", STEPS, True),
           "k_n goes with 1/N_c^2, the overlap under a load with its inverse.", _TALK),
     Claim("dry-for-wet-by-stokes", "Dry collisions approximate collisions in a viscous fluid: Stokes number of kisses.",
           "Soft sphere collision parameters N_c and e_n",
