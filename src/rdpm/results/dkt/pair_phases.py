@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rdpm.results.dkt.geometry import line_of_centres, separation, speed
+from rdpm.results.dkt.spells import merged, spells_below
+
 __all__ = [
     "KISS_GAP",
     "TUMBLE_ANGLE",
     "DktPhases",
     "from_particles_table",
-    "line_of_centres",
-    "pair_gap",
     "phases",
 ]
 
@@ -105,10 +106,9 @@ def phases(
     if t.size < 2 or not np.all(np.diff(t) > 0.0):
         raise ValueError("phases of a pair need at least two times, each later than the one before")
     first, second = np.asarray(position_0, np.float64), np.asarray(position_1, np.float64)
-    separation = _separation(first, second, period)
-    gap = np.linalg.norm(separation, axis=1) - 0.5 * (diameter_0 + diameter_1)
-    spells = _below(t, gap - KISS_GAP * min(diameter_0, diameter_1))
-    kisses = _merged(spells, contact_time)
+    gap = np.linalg.norm(separation(first, second, period), axis=1) - 0.5 * (diameter_0 + diameter_1)
+    spells = spells_below(t, gap - KISS_GAP * min(diameter_0, diameter_1))
+    kisses = merged(spells, contact_time)
     angle = line_of_centres(first, second, gravity, period)
     kiss_time = kisses[0][0] if kisses else None
     return DktPhases(
@@ -117,7 +117,7 @@ def phases(
         kisses=len(kisses),
         tumble_time_s=None if kiss_time is None else _first_past(t, angle, kiss_time),
         final_angle_deg=float(angle[-1]),
-        drafting_time_s=_drafting(t, gap, _speed(t, first, period) + _speed(t, second, period), kiss_time),
+        drafting_time_s=_drafting(t, gap, speed(t, first, period) + speed(t, second, period), kiss_time),
     )
 
 
@@ -163,90 +163,11 @@ def from_particles_table(
     return phases(t, one, other, float(d_0), float(d_1), gravity, contact_time, period)
 
 
-def pair_gap(
-    position_0: ArrayLike,
-    position_1: ArrayLike,
-    diameter_0: float,
-    diameter_1: float,
-    period: ArrayLike | None = None,
-) -> Floats:
-    """Gap between the surfaces of two spheres, negative where they overlap: (T,), [m].
-
-    Examples
-    --------
-    >>> pair_gap([[0, 0, 0]], [[0, 0, 2]], 1.0, 0.5).tolist()
-    [1.25]
-    """
-    separation = _separation(np.asarray(position_0, np.float64), np.asarray(position_1, np.float64), period)
-    return np.asarray(np.linalg.norm(separation, axis=1) - 0.5 * (diameter_0 + diameter_1))
-
-
-def line_of_centres(
-    position_0: ArrayLike, position_1: ArrayLike, gravity: ArrayLike, period: ArrayLike | None = None
-) -> Floats:
-    """Angle of a pair from gravity: 0 with the first above or below, 180 with places changed: (T,), [deg].
-
-    Examples
-    --------
-    >>> line_of_centres([[0, 0, 0]] * 3, [[0, 0, 1], [1, 0, 0], [0, 0, -1]], (0, 0, -9.81)).tolist()
-    [0.0, 90.0, 180.0]
-    """
-    separation = _separation(np.asarray(position_0, np.float64), np.asarray(position_1, np.float64), period)
-    up = -np.asarray(gravity, np.float64)
-    along = separation @ up / np.linalg.norm(up)
-    across = np.sqrt(np.maximum(np.einsum("ij,ij->i", separation, separation) - along**2, 0.0))
-    return np.asarray(np.degrees(np.arctan2(across, along if along[0] >= 0.0 else -along)))
-
-
-def _separation(first: Floats, second: Floats, period: ArrayLike | None) -> Floats:
-    """From the first sphere to the nearest image of the second."""
-    difference = second - first
-    if period is not None:
-        length = np.asarray(period, np.float64)
-        difference -= length * np.rint(difference / np.where(length > 0.0, length, np.inf))
-    return difference
-
-
-def _speed(t: Floats, position: Floats, period: ArrayLike | None) -> Floats:
-    moved = _separation(position[:-1], position[1:], period)   # a jump through a periodic boundary is none
-    path = np.concatenate([np.zeros((1, 3)), np.cumsum(moved, axis=0)])
-    return np.asarray(np.linalg.norm(np.gradient(path, t, axis=0), axis=1))
-
-
-def _crossing(t: Floats, level: Floats, n: int) -> float:
-    """Time between rows n and n + 1 where the level is zero."""
-    return float(t[n] + (t[n + 1] - t[n]) * level[n] / (level[n] - level[n + 1]))
-
-
-def _below(t: Floats, level: Floats) -> list[tuple[float, float]]:
-    """Spells in which the level is not positive."""
-    inside = np.concatenate([[False], level <= 0.0, [False]])
-    starts = np.flatnonzero(inside[1:] & ~inside[:-1])
-    ends = np.flatnonzero(inside[:-1] & ~inside[1:])
-    return [
-        (
-            float(t[0]) if start == 0 else _crossing(t, level, start - 1),
-            float(t[-1]) if end == t.size else _crossing(t, level, end - 1),
-        )
-        for start, end in zip(starts.tolist(), ends.tolist(), strict=True)
-    ]
-
-
-def _merged(spells: list[tuple[float, float]], shortest: float) -> list[tuple[float, float]]:
-    merged: list[tuple[float, float]] = []
-    for start, end in spells:
-        if merged and start - merged[-1][1] < shortest:
-            merged[-1] = (merged[-1][0], end)
-        else:
-            merged.append((start, end))
-    return merged
-
-
 def _first_past(t: Floats, angle: Floats, after: float) -> float | None:
     level = TUMBLE_ANGLE - angle
     times = np.concatenate([[after], t[t > after]])
     level = np.concatenate([[np.interp(after, t, level)], level[t > after]])
-    spells = _below(times, level)
+    spells = spells_below(times, level)
     return spells[0][0] if spells else None
 
 
@@ -255,5 +176,5 @@ def _drafting(t: Floats, gap: Floats, speeds: Floats, kiss_time: float | None) -
     if before < 2:
         return None
     excess = DRAFTING_RATE * 0.5 * speeds + np.gradient(gap, t)   # negative: closes faster than that
-    spells = _below(t[:before], excess[:before] + np.finfo(float).tiny)   # a pair at rest does not draft
+    spells = spells_below(t[:before], excess[:before] + np.finfo(float).tiny)   # a pair at rest does not draft
     return max(spells, key=lambda spell: spell[1] - spell[0])[0] if spells else None
