@@ -20,7 +20,7 @@ namespace {
 using Triple = std::array<double, 3>;
 
 void make_grid(Grid* g, const std::array<int, 3>& cells, const Triple& spacing,
-               const std::array<int, 3>& boundary, const std::array<double, 18>& side_speed, int threads) {
+               const std::array<int, 3>& boundary, const std::array<double, 18>& wall_velocity, int threads) {
     double values = 1.0;
     for (int d = 0; d < 3; ++d) {
         require(cells[d] >= 4 && spacing[d] > 0.0 && boundary[d] >= 0 && boundary[d] <= 2,
@@ -30,7 +30,7 @@ void make_grid(Grid* g, const std::array<int, 3>& cells, const Triple& spacing,
     }
     require(values < 1e18, "grid: a field's size in bytes must be a 64-bit number");
     require(threads >= 1, "grid: threads must be at least 1");
-    new (g) Grid{cells, spacing, boundary, side_speed, threads};
+    new (g) Grid{cells, spacing, boundary, wall_velocity, threads};
 }
 
 void momentum_explicit(const Grid& g, const InOut<double>& u, const InOut<double>& v, const InOut<double>& w,
@@ -144,7 +144,7 @@ nb::typed<nb::dict, nb::str, nb::object> build_info() {
 
 void bind_fluid(nb::module_& module) {
     nb::class_<Grid>(module, "Grid", "Cells, spacings, boundaries and side speeds, as the loops read them.")
-        .def("__init__", &make_grid, "cells"_a, "spacing"_a, "boundary"_a, "side_speed"_a, "threads"_a);
+        .def("__init__", &make_grid, "cells"_a, "spacing"_a, "boundary"_a, "wall_velocity"_a, "threads"_a);
     nb::class_<Projection>(module, "Projection", "The streamed Poisson solve and the velocity's correction.")
         .def(nb::init<const Grid&>(), "grid"_a)
         .def("project", &project, "grid"_a, "u"_a, "v"_a, "w"_a, "p"_a, "increment"_a, "dt"_a, "rotational"_a)

@@ -63,8 +63,8 @@ class ArrayArgument {
         if (!is_array_) PyErr_Clear();
     }
 
-    // Its data, where all is as asked; throws TypeError or ValueError with the name, what is asked and what
-    // came.
+    // Its data, where all is as it must be; throws TypeError or ValueError with the name, what is needed and
+    // what came.
     Scalar* checked(const char* name, Shape shape) const {
         if (!is_array_) refuse(nb::type_error, name, shape, std::string(Py_TYPE(object_.ptr())->tp_name));
         if (!Element<Value>::matches(view_.format ? view_.format : "B") || view_.itemsize != sizeof(Value))

@@ -98,7 +98,7 @@ def substeps() -> Call:
 
 
 FLOW, TENDENCY, RATE = ("u", "v", "w"), ("tendency_u", "tendency_v", "tendency_w"), ("rate_u", "rate_v", "rate_w")
-GRID = {"cells": CELLS, "spacing": (1.0,) * 3, "boundary": (0,) * 3, "side_speed": (0.0,) * 18, "threads": 1}
+GRID = {"cells": CELLS, "spacing": (1.0,) * 3, "boundary": (0,) * 3, "wall_velocity": (0.0,) * 18, "threads": 1}
 
 #: A row an entry; a method is named after its class.
 CALLS: dict[str, Callable[[], Call]] = {

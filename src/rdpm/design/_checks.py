@@ -23,7 +23,7 @@ def as_given(result: Any) -> Values:
 
 
 def check_ending(ending: str) -> None:
-    """Refuse an ending that is not one of the two."""
+    """Refuse a contact end that is not one of the two."""
     if ending not in ENDINGS:
         raise CaseError(
             "ending", repr(ending), 'must be "zero-force" or "zero-overlap"', cure="Name one of the two."

@@ -118,8 +118,8 @@ def _lammps(design: Design, run: Trial) -> str:
     w, w_eta, w_t, _ = run.walls[1]
 
     def model(normal: float, damping: float, tangential: float) -> str:
-        sides = f"tangential linear_history {tangential:.12g} {f:.12g} {mu:.12g}"
-        return f"hooke {normal:.12g} {damping:.12g} damping velocity {sides}{limited}"
+        tangent = f"tangential linear_history {tangential:.12g} {f:.12g} {mu:.12g}"
+        return f"hooke {normal:.12g} {damping:.12g} damping velocity {tangent}{limited}"
 
     return "\n".join([
         *head, *_molecular_setup(run, "sphere", 1, ""),

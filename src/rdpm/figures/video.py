@@ -25,7 +25,7 @@ _HIGHEST, _WIDEST, _NARROWEST = 880, 880, 400   # pixels of the picture of the b
 _MANY = 300   # bodies above which only those that the plane cuts are drawn
 _BAR = 46    # pixels below the box for the colour scale
 _LINE = 19   # pixels a line of text
-_FEW = 8     # bodies drawn each in its colour and never faded
+_FEW = 8     # bodies drawn each in its colour and never pale
 _ENCODING = ["-crf", "22", "-preset", "veryfast", "-movflags", "+faststart"]
 _LIGHT = np.array([-0.45, 0.6, 0.66])   # from the upper left, towards the viewer
 
@@ -228,7 +228,7 @@ class _Canvas:
         return np.asarray(self.colours[level[::-1]])
 
     def draw_spheres(self, picture: Pixels, centres: Floats, turned: Floats) -> None:
-        """Draw the spheres, far ones first; those the plane does not cut are faded in a crowd, left out in a mass."""
+        """Draw the spheres, far ones first; those the plane does not cut are pale in a crowd, left out in a mass."""
         scene, plane = self.scene, self.scene.plane
         across, up = np.eye(3)[plane.across], np.eye(3)[plane.up]
         view = np.stack([across, up, np.cross(across, up)])   # box axes to right, up, towards the viewer
@@ -242,12 +242,12 @@ class _Canvas:
             if len(near) > _MANY:   # the rest would hide the plane, and take minutes to draw
                 order = order[np.abs(depth[order]) <= 0.5 * np.asarray(scene.diameter)[order]]
             for n in order:
-                faded = len(near) > _FEW and abs(depth[n]) > 0.5 * scene.diameter[n]
+                pale = len(near) > _FEW and abs(depth[n]) > 0.5 * scene.diameter[n]
                 radius = 0.5 * self.scale * scene.diameter[n]
-                self._draw_sphere(picture, self.scale * copy[n], radius, view @ turned[n], n, faded)
+                self._draw_sphere(picture, self.scale * copy[n], radius, view @ turned[n], n, pale)
 
     def _draw_sphere(
-        self, picture: Pixels, at: Floats, radius: float, turned: Floats, number: int, faded: bool
+        self, picture: Pixels, at: Floats, radius: float, turned: Floats, number: int, pale: bool
     ) -> None:
         """A shaded ball of two tones, whose border turns with it."""
         column, row = at[0], self.size[1] - at[1]
@@ -265,7 +265,7 @@ class _Canvas:
         base = self.body_colours[number]
         shade = (0.55 + 0.5 * np.maximum(_LIGHT[0] * x + _LIGHT[1] * y + _LIGHT[2] * z, 0.0))[..., None]
         ball = np.minimum(shade * (tone * base + (1.0 - tone) * (0.4 * base + 150.0)), 255.0)
-        weight = (cover * (0.3 if faded else 1.0))[..., None]
+        weight = (cover * (0.3 if pale else 1.0))[..., None]
         part = picture[y0:y1, x0:x1]
         part[:] = (weight * ball + (1.0 - weight) * part).astype(np.uint8)
 

@@ -16,7 +16,7 @@ from rdpm.grid.box import Box
 
 __all__ = ["Grid", "choose_cells", "smooth_counts"]
 
-#: Spacings may differ by this much from the one asked, to reach a count that suits the transforms.
+#: Spacings may differ by this much from the target, to reach a count that suits the transforms.
 SPACING_TOLERANCE = 0.03
 
 
@@ -57,12 +57,12 @@ def choose_cells(length: float, spacing: float) -> int:
     length : float, [m]
         Of the box, kept exactly; > 0.
     spacing : float, [m]
-        Asked; > 0.
+        Target; > 0.
 
     Returns
     -------
     int
-        The product of 2, 3 and 5 whose spacing is nearest the one asked if it is within 3 %,
+        The product of 2, 3 and 5 whose spacing is nearest the target if it is within 3 %,
         otherwise the nearest whole number; at least 4.
 
     Examples

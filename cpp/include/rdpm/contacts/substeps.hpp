@@ -71,7 +71,7 @@ struct Progress {
     double max_overlap;  // [-], of the smaller diameter
 };
 
-// A pair's partners as the driver sees them; a wall has no mass, spin or acceleration of its own.
+// A pair's partners as the driver sees them; a wall has no mass, rotation or acceleration of its own.
 struct Partners {
     std::int64_t i, j;
     double inverse_mass_i, inverse_mass_j, inverse_moment_i, inverse_moment_j, smaller_diameter;
@@ -175,7 +175,7 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
         p.j < 0 ? wall_geometry(task.box, b.x + 3 * p.i, b.radius[p.i], static_cast<int>(-1 - p.j))
                 : sphere_geometry(task.box, b.x + 3 * p.i, b.x + 3 * p.j, b.radius[p.i], b.radius[p.j]);
     progress.min_gap = std::min(progress.min_gap, -g.overlap);
-    double u = 0, acceleration = 0;  // spins have no part along the normal
+    double u = 0, acceleration = 0;  // rotation has no part along the normal
     for (int d = 0; d < 3; ++d) {
         u += (b.v[3 * p.i + d] - p.vj[d]) * g.n[d];
         acceleration += (b.dv[3 * p.i + d] - p.dv_j[d]) * g.n[d];

@@ -133,7 +133,8 @@ class Projection {
         }
     }
 
-    // Faces on and beyond the sides of a plane, then r = -dz^2 div(u)/dt times the transforms' normalisation.
+    // Faces on and beyond the boundaries of a plane, then r = -dz^2 div(u)/dt times the transforms'
+    // normalisation.
     void right_hand_side(int k) const {
         const int nx = g_.nx(), ny = g_.ny();
         const std::size_t row = g_.row(), base = k * g_.plane();

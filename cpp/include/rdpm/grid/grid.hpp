@@ -8,7 +8,7 @@
 
 namespace rdpm {
 
-enum Boundary : int { periodic = 0, wall = 1, free_slip = 2 };  // of a pair of opposite sides
+enum Boundary : int { periodic = 0, wall = 1, free_slip = 2 };  // of a pair of opposite faces
 
 // Where a field sits: at cell centres, or on the faces across one direction.
 enum Location : int { face_x = 0, face_y = 1, face_z = 2, centre = 3 };
@@ -17,10 +17,10 @@ enum Location : int { face_x = 0, face_y = 1, face_z = 2, centre = 3 };
 constexpr int most_cells = 1 << 29;
 
 struct Grid {
-    std::array<int, 3> cells{};           // nx, ny, nz
-    std::array<double, 3> spacing{};      // dx, dy, dz [m]
-    std::array<int, 3> boundary{};        // of the x, y, z pairs
-    std::array<double, 18> side_speed{};  // [side][component] [m/s]; sides x_lower, x_upper, y_lower, ...
+    std::array<int, 3> cells{};              // nx, ny, nz
+    std::array<double, 3> spacing{};         // dx, dy, dz [m]
+    std::array<int, 3> boundary{};           // of the x, y, z pairs
+    std::array<double, 18> wall_velocity{};  // [face][component] [m/s]; x_lower, x_upper, y_lower, ...
     int threads = 1;
 
     int nx() const { return cells[0]; }
@@ -31,7 +31,7 @@ struct Grid {
     // With its halo.
     std::size_t field_size() const { return plane() * (static_cast<std::size_t>(cells[2]) + 2); }
     double volume() const { return spacing[0] * spacing[1] * spacing[2]; }
-    double speed_of_side(int side, int component) const { return side_speed[3 * side + component]; }
+    double velocity_of_face(int face, int component) const { return wall_velocity[3 * face + component]; }
 
     // The same cells and boundaries: what was made for one serves the other.
     bool is_like(const Grid& other) const {
@@ -50,15 +50,15 @@ inline std::array<int, 2> share_of(int n, int t, int threads) {
             1 + static_cast<int>(static_cast<long>(n) * (t + 1) / threads)};
 }
 
-// A halo value beyond a side is `sign * inner + offset`: -1 and twice the wall's speed at a no-slip wall, +1
+// A halo value beyond a face is `sign * inner + offset`: -1 and twice the wall's speed at a no-slip wall, +1
 // at free slip.
 struct Mirror {
     double sign, offset;
 };
 
-inline Mirror mirror(const Grid& g, int side, int component) {
-    if (component == centre || g.boundary[side / 2] == free_slip) return {1.0, 0.0};
-    return {-1.0, 2.0 * g.speed_of_side(side, component)};
+inline Mirror mirror(const Grid& g, int face, int component) {
+    if (component == centre || g.boundary[face / 2] == free_slip) return {1.0, 0.0};
+    return {-1.0, 2.0 * g.velocity_of_face(face, component)};
 }
 
 // Of a velocity, walls move at their speed; to a change of it they add nothing.
@@ -68,7 +68,7 @@ enum class Walls { moving, at_rest };
 inline void fill_plane_halo(const Grid& g, double* q, int location, Walls walls) {
     const int nx = g.nx(), ny = g.ny();
     const std::size_t row = g.row();
-    const auto side = [&](int s) {
+    const auto halo_of = [&](int s) {
         Mirror m = mirror(g, s, location);
         if (walls == Walls::at_rest) m.offset = 0.0;
         return m;
@@ -86,7 +86,7 @@ inline void fill_plane_halo(const Grid& g, double* q, int location, Walls walls)
             r[nx + 1] = -r[nx - 1];
         }
     } else {
-        const Mirror lower = side(0), upper = side(1);
+        const Mirror lower = halo_of(0), upper = halo_of(1);
         for (int j = 1; j <= ny; ++j) {
             double* r = q + j * row;
             r[0] = lower.sign * r[1] + lower.offset;
@@ -107,7 +107,7 @@ inline void fill_plane_halo(const Grid& g, double* q, int location, Walls walls)
             last[i] = -below[i];
         }
     } else {
-        const Mirror lower = side(2), upper = side(3);
+        const Mirror lower = halo_of(2), upper = halo_of(3);
         for (int i = 0; i < nx + 2; ++i) {
             first[i] = lower.sign * inner_first[i] + lower.offset;
             last[i] = upper.sign * inner_last[i] + upper.offset;

@@ -9,7 +9,7 @@
 
 namespace rdpm {
 
-// What lies around the bodies: the box's solid sides, and the pairs of bodies whose surfaces are close (a
+// What lies around the bodies: the box's walls, and the pairs of bodies whose surfaces are close (a
 // negative second id is a side).
 struct Surroundings {
     double size[3];
@@ -29,7 +29,7 @@ struct Exclusion {
     }
 };
 
-// The distance from each marker of body b to the nearest surface of its partners or sides; negative inside
+// The distance from each marker of body b to the nearest surface of its partners or walls; negative inside
 // it.
 inline void distance_to_partners(const Surroundings& around, int b, const std::int32_t* partner, int partners,
                                  const std::int32_t* first, const double* marker, const double* centre,

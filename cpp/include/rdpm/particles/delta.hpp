@@ -1,5 +1,5 @@
 // The regularised delta: three points wide (Roma, Peskin, Berger, J. Comput. Phys. 153 (1999) 509), folded at
-// the sides.
+// the walls.
 #pragma once
 #include <cmath>
 
@@ -20,7 +20,7 @@ inline void roma_weights(double s, int middle, double* weight) {
 struct Stencil {
     int index[3];
     double weight[3];
-    double wall[2];  // lower, upper side
+    double wall[2];  // lower, upper face
 };
 
 // Stencil of a point at x along direction d for values on faces (of d) or at centres. Folded: a halo value is

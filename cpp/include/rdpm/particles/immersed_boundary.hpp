@@ -21,7 +21,7 @@ inline double wall_part(const Grid& g, const FoldedStencils& s, int component) {
         if (d != component)
             for (int side = 0; side < 2; ++side)
                 if (s.centre_of[d].wall[side] != 0.0)
-                    sum += s.centre_of[d].wall[side] * g.speed_of_side(2 * d + side, component);
+                    sum += s.centre_of[d].wall[side] * g.velocity_of_face(2 * d + side, component);
     return sum;
 }
 
@@ -41,7 +41,7 @@ inline double interpolate_folded(const Grid& g, const double* q, const FoldedSte
     return sum + wall_part(g, s, component);
 }
 
-// Three neighbours along x of one row about a marker beside a periodic side.
+// Three neighbours along x of one row about a marker beside a periodic face.
 inline Four load(const double* row, const std::ptrdiff_t* x, bool is_whole) {
     return is_whole ? *reinterpret_cast<const Four*>(row + x[0]) : Four{row[x[0]], row[x[1]], row[x[2]], 0.0};
 }
@@ -171,7 +171,7 @@ inline void spread_folded(const Grid& g, double* q, const FoldedStencils& s, int
     }
 }
 
-// What a marker away from the sides gives; `bounded`: to the planes [first, last) only.
+// What a marker away from the faces of the box gives; `bounded`: to the planes [first, last) only.
 template <int component, bool bounded>
 inline void spread_inner(std::size_t row, std::size_t plane, double* q, const InnerMarker& m,
                          const Weights& weights, int n, double strength, int first, int last) {
@@ -192,7 +192,7 @@ inline void spread_inner(std::size_t row, std::size_t plane, double* q, const In
     }
 }
 
-// What a marker beside a periodic side gives to the planes [first, last).
+// What a marker beside a periodic face gives to the planes [first, last).
 template <int component>
 inline void spread_wrapped(double* q, const WrappedPoints& at, const Weights& weights, int n, double strength,
                            int first, int last) {

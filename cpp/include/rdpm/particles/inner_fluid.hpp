@@ -1,4 +1,5 @@
-// The fluid inside a sphere: its mean velocity and mean spin, by the volume fraction of the grid's faces.
+// The fluid inside a sphere: its mean velocity and mean angular velocity, by the volume fraction of the
+// grid's faces.
 #pragma once
 #include <omp.h>
 
@@ -83,7 +84,8 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
     for (int k = lower[2]; k <= upper[2]; ++k) {
         const double z = origin[2] + k * g.spacing[2], half = std::sqrt(std::max(0.0, reach * reach - z * z));
         const double* plane = field + wrapped(2, k) * g.plane();
-        // All rows of a plane are read as far as its longest: loops of the same length are foreseen.
+        // All rows of a plane are read as far as its longest: the processor predicts loops of the same
+        // length.
         const auto [first, last] = within(0, half);
         const auto [first_row, last_row] = within(1, half);
         PlaneSums sums;
@@ -91,7 +93,7 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
             const double y = origin[1] + j * g.spacing[1], yz = y * y + z * z;
             ahead.advance();
             const double* row = plane + wrapped(1, j) * g.row();
-            // A row that crosses a periodic side is read in two pieces.
+            // A row that crosses a periodic face is read in two pieces.
             for (int i = first; i <= last;) {
                 const int at = wrapped(0, i);
                 const int count =
@@ -105,7 +107,7 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
                      y_square = sum_of(sums.y_square);
         mean[c] += value;
         weight[c] += w;
-        // Spin about e moves component c by +arm_f, about f by -arm_e (c, e, f right-handed).
+        // Rotation about e moves component c by +arm_f, about f by -arm_e (c, e, f right-handed).
         if (c == 0) {
             moment[1] += z * value;
             moment[2] -= value_y;
@@ -125,7 +127,7 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
     }
 }
 
-// Whether the fluid in reach of a sphere is read with one wrapping of the indices across periodic sides.
+// Whether the fluid about a sphere is read with one wrapping of the indices across periodic faces.
 inline bool is_within_a_period(const Grid& g, const double* centre, double radius) {
     if (!(radius > 0.0)) return false;
     const double reach = std::sqrt(radius * radius + radius * std::cbrt(g.volume()));
@@ -136,8 +138,9 @@ inline bool is_within_a_period(const Grid& g, const double* centre, double radiu
     return true;
 }
 
-// Mean velocity (3) and spin (3) of the fluid within `radius` of each centre, (bodies, 6); sums normalised by
-// their weights. The markers are those of the same bodies: they know what to fetch ahead, and in which order.
+// Mean velocity (3) and angular velocity (3) of the fluid within `radius` of each centre, (bodies, 6); sums
+// normalised by their weights. The markers are those of the same bodies: they know what to fetch ahead, and
+// in which order.
 inline void inner_motion(const Grid& g, const VelocityView& q, const StencilSet& set, const double* position,
                          const double* radius, double* out) {
     const double* field[3] = {q.u, q.v, q.w};

@@ -2,9 +2,9 @@
 //
 // Markers are ordered by body, and within one by the plane they lie in: what a body's markers touch of
 // the fields stays in the core's cache while they are worked on, and the next body's is fetched meanwhile. A
-// marker away from the sides is kept as the place of its nearest centre and its distance from it, and its
-// weights are found again at each use: that is less than reading them; across a periodic side its points are
-// wrapped. Beside the other sides the stencils are folded, and kept.
+// marker away from the faces of the box is kept as the place of its nearest centre and its distance from it,
+// and its weights are found again at each use: that is less than reading them; across a periodic face its
+// points are wrapped. Beside walls the stencils are folded, and kept.
 #pragma once
 #include <omp.h>
 
@@ -212,7 +212,7 @@ inline void order_body(const Grid& g, const double* position, StencilSet& set, i
         int nearest[3] = {};
         double from_centre[3] = {};
         locate(g, cells_a_metre, position + 3 * m, nearest, from_centre);
-        // Across a periodic side, where it is not used, it may be beyond 32 bits.
+        // Across a periodic face, where it is not used, it may be beyond 32 bits.
         const std::int64_t first =
             (nearest[2] - 1) * std::int64_t{plane} + (nearest[1] - 1) * std::int64_t{row} + nearest[0] - 1;
         const std::int32_t stride[3] = {1, row, plane};
@@ -273,7 +273,7 @@ inline void place(const Grid& g, const double* position, StencilSet& set) {
     set.is_placed = true;
 }
 
-// Where the points about a marker beside a periodic side are: offsets of four planes, rows and columns in a
+// Where the points about a marker beside a periodic face are: offsets of four planes, rows and columns in a
 // line, the third of each being that of the nearest centre.
 struct WrappedPoints {
     std::ptrdiff_t x[4], y[4], z[4];

@@ -87,11 +87,11 @@ inline void sum_over_markers(int bodies, const std::int32_t* first, const double
 // The velocity of the fluid at the markers becomes its change to the body's rigid motion; force += change /
 // dt. Of each body, (bodies, 7): the impulse of the change, and the sum of its square.
 inline void rigid_change(int bodies, const std::int32_t* first, const double* arm, const double* volume,
-                         const double* velocity, const double* spin, double inverse_dt, int threads,
-                         double* change, double* force, double* out) {
+                         const double* velocity, const double* angular_velocity, double inverse_dt,
+                         int threads, double* change, double* force, double* out) {
 #pragma omp parallel for num_threads(threads) schedule(static) if (bodies > 8)
     for (int b = 0; b < bodies; ++b) {
-        const double *v = velocity + 3 * b, *o = spin + 3 * b;
+        const double *v = velocity + 3 * b, *o = angular_velocity + 3 * b;
         Impulse impulse;
         double squares = 0.0;
         for (int m = first[b]; m < first[b + 1]; ++m) {

@@ -14,7 +14,7 @@ namespace rdpm {
 // A box of cells, unwrapped.
 struct CellBox {
     std::int32_t lower[3], upper[3];
-    // The most lines that `find_lines` gives for what is in reach of it.
+    // The most lines that `find_lines` gives for what is within `reach` of it.
     std::size_t most_lines(int reach) const {
         const auto width = [&](int d) {
             return static_cast<std::size_t>(upper[d] - lower[d] + 1 + 2 * reach);
@@ -35,7 +35,7 @@ inline int find_lines(const Grid& g, const CellBox& box, int reach, std::int32_t
         if (g.boundary[d] != periodic) return std::clamp(i, 0, g.cells[d] + 1);
         return i < 1 ? i + g.cells[d] : i > g.cells[d] ? i - g.cells[d] : i;
     };
-    // Square of the coordinate of the nearest point in reach, over the axis.
+    // Square of the coordinate of the nearest point within `reach`, over the axis.
     const auto nearest = [&](int d, int i) {
         const float x = std::max(0.0f, std::abs(i - middle[d]) - reach) / axis[d];
         return x * x;

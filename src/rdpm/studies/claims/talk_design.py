@@ -293,5 +293,5 @@ DESIGN_CLAIMS = (
           "The formula ends the contact at zero overlap, where the dashpot has attracted already."),
     Claim("dry-for-wet-by-speed", "Dry collisions approximate collisions in a viscous fluid.",
           "Soft sphere collision parameters N_c and e_n", Computed(dry_for_wet),
-          "The film between the spheres takes the energy of an approach at such Stokes numbers (Gondret et al. 2002)."),
+          "Lubrication dissipates the energy of an approach at such Stokes numbers (Gondret et al. 2002)."),
 )  # fmt: skip

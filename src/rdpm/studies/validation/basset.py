@@ -6,7 +6,7 @@ With added mass and history force the speed obeys, in units of the Stokes speed 
           m = \tfrac29\left(\frac{\rho_p}{\rho_f}+\tfrac12\right)
 
 (Basset 1888; Maxey and Riley, Phys. Fluids 26 (1983) 883-889), solved exactly below. The box is periodic with zero
-mean flow. The sphere's images answer by what unsteady Stokeslets at a lattice add, to first order in a/L; that is part
+mean flow. The sphere's images respond by what unsteady Stokeslets at a lattice add, to first order in a/L; that is part
 of the reference, and reaches some 5 % when sqrt(nu t) is a quarter of the box.
 """
 

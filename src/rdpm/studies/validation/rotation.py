@@ -56,7 +56,7 @@ def torque(across: int) -> float:
     return float(-immersed.hydrodynamic_torque[0, 2] / (np.pi * rate))
 
 
-def spin_in_shear(across: int) -> float:
+def rate_in_shear(across: int) -> float:
     """Angular velocity over the shear rate of a free sphere, at so many cells a diameter."""
     shear = 4.0 * SHEAR_RE
     half = 0.5 * BOX * shear
@@ -76,7 +76,7 @@ def spin_in_shear(across: int) -> float:
 
 
 def rotation(quick: bool, tell: Tell) -> Found:
-    """Torque at 8, 16 and 24 cells a diameter; spin in shear at 16 (quick: 8 and 12)."""
+    """Torque at 8, 16 and 24 cells a diameter; angular velocity in shear at 16 (quick: 8 and 12)."""
     exact = 1.0 + np.pi / 6.0 / BOX**3
     for across in (8, 16) if quick else (8, 16, 24):
         tell(f"torque, {across} cells a diameter")
@@ -91,7 +91,7 @@ def rotation(quick: bool, tell: Tell) -> Found:
         tell(f"free sphere in shear, {across} cells a diameter")
         yield Row(
             f"angular velocity / shear rate, Re_s {SHEAR_RE}, {across} cells/d",
-            spin_in_shear(across),
+            rate_in_shear(across),
             0.5 - 0.0540 * SHEAR_RE**1.5,
             SHEAR_BAND,
             source="Meibohm et al. 2016",
