@@ -165,17 +165,12 @@ def design(
         _one_output(swept, figures=figures, export=export, json=as_json)
         _write_table(_approach_table(approach, single, swept, wall, ending), csv)
         return 0
-    from rdpm.design import soft_sphere
-
     if swept:
         _one_output(swept, figures=figures, export=export)
-        name, values = next(iter(swept.items()))
-        designs = [soft_sphere(**{**single, name: v}, wall=wall, ending=ending) for v in values]
-        if as_json:
-            print(json.dumps([d.to_dict() for d in designs], indent=2))
-        if csv is not None or not as_json:
-            _write_table([_row(name, v, d) for v, d in zip(values, designs, strict=True)], csv)
+        _print_sweep(swept, single, wall, ending, as_json, csv)
         return 0
+    from rdpm.design import soft_sphere
+
     one = soft_sphere(**single, wall=wall, ending=ending)
     _print_one(one, units, as_json, export)
     if csv is not None:
@@ -230,6 +225,20 @@ def _one_output(swept: dict[str, Any], **others: Any) -> None:
             raise CaseError(
                 _option(name), None, f"cannot go with {what}", "it is for one design", "Take one away."
             )
+
+
+def _print_sweep(
+    swept: dict[str, Any], single: dict[str, float], wall: bool, ending: Any, as_json: bool, csv: Path | None
+) -> None:
+    """Design at each value of the one input that is swept."""
+    from rdpm.design import soft_sphere
+
+    name, values = next(iter(swept.items()))
+    designs = [soft_sphere(**{**single, name: v}, wall=wall, ending=ending) for v in values]
+    if as_json:
+        print(json.dumps([d.to_dict() for d in designs], indent=2))
+    if csv is not None or not as_json:
+        _write_table([_row(name, v, d) for v, d in zip(values, designs, strict=True)], csv)
 
 
 def _print_one(one: Design, units: Literal["si", "cgs"], as_json: bool, export: _Program | None) -> None:

@@ -170,10 +170,7 @@ def soft_sphere(
     impact = read_impact(pair, impact_speed, fluid_density, viscosity, gravity)
     t_c = _contact_time(contact_time, contact_steps, time_step)
     limit = _overlap_limit(max_overlap, static_overlap, overlap_limit)
-    overlap_time = None
-    if max_overlap is not None:
-        speed = _need(impact.speed, "impact_speed", "an overlap is reached at a speed")
-        overlap_time = max_overlap * _need(pair.diameter, "diameter", "an overlap is a part of it") / speed
+    overlap_time = None if max_overlap is None else _overlap_time(max_overlap, pair, impact)
     if static_overlap is not None:
         stiffness = _static_stiffness(stiffness, static_overlap, pair, impact)
     hertz, rayleigh = _material_times(pair, impact, youngs_modulus, poisson_ratio)
@@ -184,40 +181,51 @@ def soft_sphere(
     m, k_n, eta_n = solve_contact(known, ending)
     zeta = 0.5 * eta_n / math.sqrt(m * k_n)
     e = _restitution(restitution, zeta, ending)
-    duration = (
-        t_c if t_c is not None else _finite(dimensionless_contact_time(zeta, ending), math.sqrt(m / k_n))
-    )
-    steps, step = contact_steps, time_step
-    if duration is None:
-        steps = None  # a contact that never ends has no steps
-    else:
-        steps = duration / step if steps is None and step is not None else steps
-        step = duration / steps if step is None and steps is not None else step
-    overlap = None if impact.speed is None else float(peak_overlap(m, k_n, eta_n, impact.speed))
-    d, weight = pair.diameter, impact.weight
-    overlap_fraction = None if overlap is None or d is None else overlap / d
-    sink = None if weight is None or d is None else weight / k_n / d
+    duration = t_c if t_c is not None else _finite(dimensionless_contact_time(zeta, ending), math.sqrt(m / k_n))
+    steps, step = _steps(duration, contact_steps, time_step)
+    overlap, fraction, sink = _overlaps((m, k_n, eta_n), pair, impact)
     stokes, wet = _wet(m, pair, impact, e, fluid_density, viscosity)
-    advice = _advice(m, k_n, zeta, ending, limit, pair, impact, (hertz, rayleigh), steps, step, is_spring_given)
+    verdicts = verdict_list(
+        damping_ratio=zeta, ending=ending, contact_time=duration, contact_steps=steps, max_overlap=fraction,
+        static_overlap=sink, overlap_limit=limit, hertz_time=hertz, rayleigh_time=rayleigh, stokes_number=stokes,
+        impact_speed=impact.speed,
+    )  # fmt: skip
     return Design(
         stiffness_N_m=k_n, damping_N_s_m=eta_n, restitution=e, contact_time_s=duration, contact_steps=steps,
-        damping_ratio=zeta, regime=regime_of(zeta), ending=ending, reduced_mass_kg=m, diameter_m=d,
+        damping_ratio=zeta, regime=regime_of(zeta), ending=ending, reduced_mass_kg=m, diameter_m=pair.diameter,
         spheres=tuple(Body(*sphere) for sphere in pair.spheres), is_wall=wall, time_step_s=step,
-        impact_speed_m_s=impact.speed, impact_speed_source=impact.source,
-        max_overlap_m=overlap, max_overlap_fraction=overlap_fraction, static_overlap_fraction=sink,
-        overlap_limit_fraction=limit, hertz_contact_time_s=hertz, rayleigh_time_s=rayleigh,
-        terminal_velocity_m_s=impact.terminal_velocity, terminal_reynolds_number=impact.terminal_reynolds,
-        stokes_number=stokes, wet_restitution=wet,
+        impact_speed_m_s=impact.speed, impact_speed_source=impact.source, max_overlap_m=overlap,
+        max_overlap_fraction=fraction, static_overlap_fraction=sink, overlap_limit_fraction=limit,
+        hertz_contact_time_s=hertz, rayleigh_time_s=rayleigh, terminal_velocity_m_s=impact.terminal_velocity,
+        terminal_reynolds_number=impact.terminal_reynolds, stokes_number=stokes, wet_restitution=wet,
         tangential=_tangential(k_n, eta_n, zeta, e, ending, tangential_ratio, poisson_ratio, friction),
-        predictions=_predictions(e, steps, ending),
-        verdicts=verdict_list(
-            damping_ratio=zeta, ending=ending, contact_time=duration, contact_steps=steps,
-            max_overlap=overlap_fraction, static_overlap=sink, overlap_limit=limit,
-            hertz_time=hertz, rayleigh_time=rayleigh, stokes_number=stokes,
-            impact_speed=impact.speed,
-        ),
-        advice=advice,
+        predictions=_predictions(e, steps, ending), verdicts=verdicts,
+        advice=_advice(m, k_n, zeta, ending, limit, pair, impact, (hertz, rayleigh), steps, step, is_spring_given),
     )  # fmt: skip
+
+
+def _overlap_time(max_overlap: float, pair: Pair, impact: Impact) -> float:
+    """Give the overlap over the impact speed, in which the peak is sought."""
+    speed = _need(impact.speed, "impact_speed", "an overlap is reached at a speed")
+    return max_overlap * _need(pair.diameter, "diameter", "an overlap is a part of it") / speed
+
+
+def _steps(duration: float | None, steps: float | None, step: float | None) -> tuple[float | None, float | None]:
+    """Contact steps and time step, of which one may follow from the other; a contact that never ends has no steps."""
+    if duration is None:
+        return None, step
+    if steps is None:
+        return (None if step is None else duration / step), step
+    return steps, duration / steps if step is None else step
+
+
+def _overlaps(
+    contact: tuple[float, float, float], pair: Pair, impact: Impact
+) -> tuple[float | None, float | None, float | None]:
+    """Peak overlap at the impact speed [m], the same over the diameter, and that under the weight over the diameter."""
+    d, overlap = pair.diameter, None if impact.speed is None else float(peak_overlap(*contact, impact.speed))
+    fraction = None if overlap is None or d is None else overlap / d
+    return overlap, fraction, None if impact.weight is None or d is None else impact.weight / contact[1] / d
 
 
 def _refuse_extremes(given: dict[str, float]) -> None:

@@ -32,8 +32,8 @@ def first_rebound(run: Run) -> dict[str, float | None]:
         there the resolved fluid, not the lubrication correction, decides. ``wet_restitution``: the speed at which the
         body passes the same gap on its way back over that; 0 where it does not come so far before the next impact or
         within the record. ``wall_stokes_number`` :math:`\rho_p v d/(9\mu)` of the approach. ``rebound_height_m``:
-        largest gap until the next impact, by a parabola through three rows. None where there is no impact on a wall, the approach
-        begins nearer, or, for the height, the body still rises at the end of the record.
+        largest gap until the next impact, by a parabola through three rows. None where there is no impact on a
+        wall, the approach begins nearer, or, for the height, the body still rises at the end of the record.
     """
     names = ("approach_speed_m_s", "wet_restitution", "wall_stokes_number", "rebound_height_m")
     found: dict[str, float | None] = dict.fromkeys(names, None)
