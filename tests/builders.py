@@ -1,9 +1,13 @@
-"""What several test files build: the folder of a made-up run."""
+"""What several test files build: spheres in ten Cate's oil, the folder of a made-up run."""
 
 from __future__ import annotations
 
+import copy
+from typing import Any
+
 import numpy as np
 
+import rdpm
 from rdpm.io.provenance import environment, write_json
 from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, PARTICLE_COLUMNS, TableWriter
 from rdpm.io.vtkhdf import FieldWriter
@@ -11,6 +15,36 @@ from rdpm.results.run_folder import RunFolder
 
 D = 0.015
 BOX, CELLS, SPACING = (0.06, 0.05, 0.24), (24, 20, 96), (0.0025, 0.0025, 0.0025)
+
+
+#: A nylon sphere in oil between walls (ten Cate et al. 2002, case E3), 6 cells a diameter.
+OIL_CASE = {
+    "domain": {"size": [0.06, 0.06, 0.09]},
+    "fluid": {"density": 962.0, "viscosity": 0.113},
+    "bodies": [{"diameter": D, "density": 1120.0, "centers": [[0.03, 0.03, 0.06]]}],
+    "contact": {"restitution": 0.9, "contact_steps": 8},
+    "resolution": {"cells_per_diameter": 6},
+    "time": {"end": 0.5},
+}
+
+
+def oil_case(**changes: Any) -> dict[str, Any]:
+    """`OIL_CASE` with ``time__step=1e-3`` for time.step, ``contact={...}`` for a whole table; None removes a key."""
+    made = copy.deepcopy(OIL_CASE)
+    for key, value in changes.items():
+        node, (*path, last) = made, key.split("__")
+        for name in path:
+            node = node.setdefault(name, {})
+        if value is None:
+            node.pop(last, None)
+        else:
+            node[last] = value
+    return made
+
+
+def in_oil(threads: int = 1, **changes: Any) -> rdpm.Simulation:
+    """A simulation of `oil_case`."""
+    return rdpm.Simulation(rdpm.load_case(oil_case(**changes)), threads=threads)
 
 
 def pair_motion(times):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import rdpm
+from builders import in_oil
 from rdpm.particles.calibration import CALIBRATION
 
 D = 0.015
@@ -26,22 +27,10 @@ def simulation(
     **group,
 ) -> rdpm.Simulation:
     """Spheres of 6 cells a diameter in a small box of ten Cate's oil."""
-    fluid = {"density": FLUID_DENSITY, "viscosity": VISCOSITY}
-    if zero_mean_flow is not None:
-        fluid["zero_mean_flow"] = zero_mean_flow
-    case = {
-        "domain": {
-            "size": list(size),
-            "boundary": dict(zip("xyz", boundary, strict=True)),
-            "gravity": [0, 0, gravity],
-        },
-        "fluid": fluid,
-        "bodies": [{"diameter": D, "density": density, "centers": [list(c) for c in centers], **group}],
-        "contact": {"restitution": 0.9, "contact_steps": 8},
-        "resolution": {"cells_per_diameter": 6},
-        "time": {"end": end, "step": step, "diffusion": diffusion},
-    }
-    return rdpm.Simulation(rdpm.load_case(case), threads)
+    domain = {"size": list(size), "boundary": dict(zip("xyz", boundary, strict=True)), "gravity": [0, 0, gravity]}
+    bodies = [{"diameter": D, "density": density, "centers": [list(c) for c in centers], **group}]
+    time = {"end": end, "step": step, "diffusion": diffusion}
+    return in_oil(threads, domain=domain, bodies=bodies, time=time, fluid__zero_mean_flow=zero_mean_flow)
 
 
 def total_momentum(sim: rdpm.Simulation) -> np.ndarray:
@@ -129,17 +118,10 @@ def test_exchange_of_axes_exchanges_the_motion() -> None:
     upright = simulation(end=0.1, step=1e-3)
     upright.run(until=0.1)
     case = upright.case.model_dump()
-    turned = rdpm.load_case(
-        {
-            "domain": {"size": [0.09, 0.06, 0.06], "gravity": [-9.81, 0, 0]},
-            "fluid": {"density": FLUID_DENSITY, "viscosity": VISCOSITY},
-            "bodies": [{"diameter": D, "density": 1120.0, "centers": [[0.06, 0.03, 0.03]]}],
-            "contact": {"restitution": 0.9, "contact_steps": 8},
-            "resolution": {"cells_per_diameter": 6},
-            "time": {"end": case["time"]["end"], "step": 1e-3},
-        }
-    )
-    sideways = rdpm.Simulation(turned, threads=1)
+    sideways = in_oil(
+        domain={"size": [0.09, 0.06, 0.06], "gravity": [-9.81, 0, 0]}, time={"end": case["time"]["end"], "step": 1e-3},
+        bodies=[{"diameter": D, "density": 1120.0, "centers": [[0.06, 0.03, 0.03]]}],
+    )  # fmt: skip
     sideways.run(until=0.1)
     # The solve treats the directions differently: round-off grown over 100 steps.
     assert sideways.bodies.velocity[0, 0] == pytest.approx(upright.bodies.velocity[0, 2], rel=1e-11)

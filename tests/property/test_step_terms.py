@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_coupling_contact import collision
 
-import rdpm
+from builders import in_oil
 from rdpm.coupling import step
 from rdpm.fluid import Fluid
 from rdpm.grid import Box, Grid
@@ -28,23 +28,11 @@ def test_two_outer_iterations_in_an_impact_are_as_good_as_three(monkeypatch: pyt
     assert abs(taken - three) < 0.25 * abs(once - three)
 
 
-def falling(step: str) -> rdpm.Simulation:
-    case = {
-        "domain": {"size": [0.06, 0.06, 0.08]},
-        "fluid": {"density": 962.0, "viscosity": 0.113},
-        "bodies": [{"diameter": 0.015, "density": 1120.0, "centers": [[0.031, 0.029, 0.05]]}],
-        "contact": {"restitution": 0.9, "contact_steps": 8},
-        "resolution": {"cells_per_diameter": 6},
-        "time": {"end": 0.3, "step": step},
-    }
-    return rdpm.Simulation(rdpm.load_case(case), threads=1)
-
-
 @pytest.mark.parametrize(
     ("step", "is_isolated", "share"), [("adaptive", True, 0.5), ("adaptive", False, 0.0), ("auto", True, 0.0)]
 )
 def test_lagged_force_of_a_variable_step_acts_where_the_body_is_at_half_of_it(step, is_isolated, share) -> None:
-    sim = falling(step)
+    sim = in_oil(time__step=step)
     sim.run(until=0.15)
     fluid, immersed, dt = sim.fluid, sim.system.immersed, 4e-3
     for tendency in fluid.tendency:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rdpm
+from builders import in_oil
 from rdpm.cli import main as cli
 from rdpm.errors import BodyLeftError, CflError, DivergenceError, GuardError, NanError, OverlapError
 from rdpm.io.tables import read_table
@@ -44,15 +45,11 @@ report = false
 
 def running(**changes) -> rdpm.Simulation:
     """Ten Cate's sphere on a coarse grid, some steps on its way."""
-    case = {
-        "domain": {"size": [0.06, 0.06, 0.06]},
-        "fluid": {"density": 962.0, "viscosity": 0.113},
-        "bodies": [{"diameter": 0.015, "density": 1120.0, "centers": [[0.03, 0.03, 0.04], [0.03, 0.03, 0.02]]}],
-        "contact": {"restitution": 0.9, "contact_steps": 8, **changes},
-        "resolution": {"cells_per_diameter": 4},
-        "time": {"end": 0.2, "step": 2e-3},
-    }
-    sim = rdpm.Simulation(rdpm.load_case(case), threads=1)
+    pair = [{"diameter": 0.015, "density": 1120.0, "centers": [[0.03, 0.03, 0.04], [0.03, 0.03, 0.02]]}]
+    sim = in_oil(
+        domain__size=[0.06] * 3, bodies=pair, resolution__cells_per_diameter=4, time={"end": 0.2, "step": 2e-3},
+        contact={"restitution": 0.9, "contact_steps": 8, **changes},
+    )  # fmt: skip
     sim.run(until=0.01)
     return sim
 
@@ -87,17 +84,7 @@ def test_a_velocity_that_is_not_finite(name: str, value: float) -> None:
 
 
 def test_a_velocity_that_is_not_finite_is_placed_without_bodies() -> None:
-    sim = rdpm.Simulation(
-        rdpm.load_case(
-            {
-                "domain": {"size": [0.06, 0.06, 0.06]},
-                "fluid": {"density": 962.0, "viscosity": 0.113},
-                "resolution": {"cells": [8, 8, 8]},
-                "time": {"end": 0.2, "step": 2e-3},
-            }
-        ),
-        threads=1,
-    )
+    sim = in_oil(domain__size=[0.06] * 3, bodies=None, resolution={"cells": [8, 8, 8]}, time__step=2e-3)
     sim.fluid.w[4, 4, 4] = np.nan
     message = stopped(sim, NanError)
     assert " near (" in message

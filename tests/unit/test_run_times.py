@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import rdpm
+from builders import in_oil
 from rdpm.particles.prescribed import Motion, Prescription
 from rdpm.particles.state import FREE, Bodies
 
@@ -15,16 +16,6 @@ DRY = {
     "contact": {"restitution": 0.9, "contact_steps": 8},
     "time": {"end": 1.0, "step": 2e-4},
 }
-WET = {
-    "domain": {"size": [0.04, 0.04, 0.06]},
-    "fluid": {"density": 962.0, "viscosity": 0.113},
-    "bodies": [{"diameter": 0.015, "density": 1120.0, "centers": [[0.02, 0.02, 0.035]]}],
-    "contact": {"restitution": 0.9, "contact_steps": 8},
-    "resolution": {"cells_per_diameter": 4},
-    "time": {"end": 0.1},
-}
-
-
 def prescribed(motion: dict, step: float = 2e-4) -> rdpm.Simulation:
     body = {**DRY["bodies"][0], "motion": motion}
     return rdpm.Simulation(rdpm.load_case({**DRY, "bodies": [body], "time": {"end": 1.0, "step": step}}))
@@ -58,7 +49,7 @@ def test_a_kink_inside_a_step_is_followed() -> None:
 @pytest.mark.parametrize("step", ["auto", "adaptive", 1.3e-3])
 @pytest.mark.parametrize("until", [0.0501, 0.0372])
 def test_a_run_ends_at_the_time_asked(step, until: float) -> None:
-    sim = rdpm.Simulation(rdpm.load_case({**WET, "time": {"end": 0.1, "step": step}}), threads=1)
+    sim = in_oil(resolution__cells_per_diameter=4, time={"end": 0.1, "step": step})
     dt = []
     sim.on_step(lambda s: dt.append(s.last_dt))
     sim.run(until=until)

@@ -1,38 +1,20 @@
 """What a case alone cannot tell: time steps above their limits, grids that do not fit, contacts that are too short."""
 
-import copy
 import re
 import sys
 
 import pytest
 
 import rdpm
+from builders import oil_case
 from rdpm.cli import main as cli
 from rdpm.errors import CaseError
 from rdpm.setup import plan, scales
 
-CASE = {
-    "domain": {"size": [0.06, 0.06, 0.09]},
-    "fluid": {"density": 962.0, "viscosity": 0.113},
-    "bodies": [{"diameter": 0.015, "density": 1120.0, "centers": [[0.03, 0.03, 0.06]]}],
-    "contact": {"restitution": 0.9, "contact_steps": 8},
-    "resolution": {"cells_per_diameter": 6},
-    "time": {"end": 0.5},
-}
-
 
 def case(**changes):
-    """CASE with ``time__step=1e-3`` for time.step; None removes a key."""
-    made = copy.deepcopy(CASE)
-    for key, value in changes.items():
-        node, (*path, last) = made, key.split("__")
-        for name in path:
-            node = node.setdefault(name, {})
-        if value is None:
-            node.pop(last)
-        else:
-            node[last] = value
-    return rdpm.load_case(made)
+    return rdpm.load_case(oil_case(**changes))
+
 
 
 def test_step_over_which_the_flow_crosses_more_than_a_cell_is_refused() -> None:
