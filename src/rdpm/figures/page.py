@@ -7,7 +7,10 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
 
-__all__ = ["document", "folded", "heading", "note_list", "paragraph", "picture", "section", "table", "video"]
+__all__ = [
+    "code", "document", "folded", "heading", "note_list", "paragraph", "picture", "section", "table", "video",
+    "video_beside",
+]  # fmt: skip
 
 _LOOK = """
 :root { color-scheme: light dark; --page: #fbfbfa; --text: #1d1d1f; --soft: #5c5c60; --line: #dcdcdc;
@@ -138,6 +141,29 @@ def video(path: Path, caption: str) -> str:
     """An MP4 file inside the page, with its caption."""
     player = f'<video controls loop muted playsinline src="data:video/mp4;base64,{_embedded(path)}"></video>'
     return f"<figure>{player}<figcaption>{escape(caption)}</figcaption></figure>"
+
+
+def video_beside(source: str, caption: str) -> str:
+    """An MP4 file beside the page, with its caption.
+
+    Examples
+    --------
+    >>> "src=\"videos/a.mp4\"" in video_beside("videos/a.mp4", "Two spheres.")
+    True
+    """
+    player = f'<video controls loop muted playsinline preload="metadata" src="{escape(source)}"></video>'
+    return f"<figure>{player}<figcaption>{escape(caption)}</figcaption></figure>"
+
+
+def code(text: str) -> str:
+    """A command.
+
+    Examples
+    --------
+    >>> code("rdpm study seed")
+    '<pre>rdpm study seed</pre>'
+    """
+    return f"<pre>{escape(text)}</pre>"
 
 
 def _embedded(path: Path) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from rdpm.figures.style import FLOW_MAP, PALETTE, length_unit
 from rdpm.io.files import replacing
 from rdpm.results.tracks import Tracks
 
-__all__ = ["Scene", "make_video", "orientations"]
+__all__ = ["Scene", "make_video", "orientations", "side_by_side"]
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
@@ -46,6 +46,8 @@ class Scene:
         Bodies; None without.
     slices : Slices or None
         The flow; None without.
+    top_speed : float, optional, [m/s]
+        Upper end of the colour scale; that of the slices when left out.
     """
 
     title: str
@@ -55,6 +57,7 @@ class Scene:
     diameter: Floats
     tracks: Tracks | None
     slices: Slices | None
+    top_speed: float | None = None
 
     @property
     def span(self) -> tuple[float, float]:
@@ -88,13 +91,38 @@ def make_video(path: str | Path, scene: Scene, frames: int = 100, rate: int = 20
     ValueError
         There is nothing that changes in time.
     """
-    import imageio_ffmpeg
-
     start, end = scene.span
     if not end > start:
         raise ValueError("a video needs two times at least")
-    path = Path(path)
-    pictures = _pictures(scene, np.linspace(start, end, frames))
+    return _write(Path(path), _pictures(scene, np.linspace(start, end, frames)), rate)
+
+
+def side_by_side(path: str | Path, scenes: Sequence[Scene], frames: int = 100, rate: int = 20) -> Path:
+    """Write the video of several scenes beside each other in step, as `make_video` does.
+
+    Parameters
+    ----------
+    path : path
+        Ends in ``.mp4``.
+    scenes : sequence of Scene
+        Of boxes of one size, with titles of as many lines.
+    frames : int
+        > 1; from the earliest time of all to the latest.
+    rate : int, [1/s]
+
+    Returns
+    -------
+    pathlib.Path
+    """
+    spans = [scene.span for scene in scenes]
+    times = np.linspace(min(a for a, _ in spans), max(b for _, b in spans), frames)
+    together = zip(*(_pictures(scene, times) for scene in scenes), strict=True)
+    return _write(Path(path), (np.concatenate(pictures, axis=1) for pictures in together), rate)
+
+
+def _write(path: Path, pictures: Iterator[Pixels], rate: int) -> Path:
+    import imageio_ffmpeg
+
     first = next(pictures)
     with replacing(path) as temporary:
         writer = imageio_ffmpeg.write_frames(
@@ -165,6 +193,8 @@ class _Canvas:
         self.size = (2 * round(0.5 * self.scale * width), 2 * round(0.5 * self.scale * height))
         self.colours = (255 * colormaps[FLOW_MAP](np.linspace(0.0, 1.0, 256))[:, :3]).astype(np.uint8)
         self.top = scene.slices.top_speed if scene.slices is not None else 0.0
+        if scene.top_speed is not None:
+            self.top = scene.top_speed
         if scene.slices is not None:
             rows, columns = scene.slices.speed.shape[1:]
             self.spread = _spread(rows, self.size[1]), _spread(columns, self.size[0])

@@ -169,7 +169,7 @@ def start_case(case: Case, base: Case | None, at: float) -> Case:
     same = {name: getattr(case.contact, name) for name in _LUBRICATION}
     contact = (base or case).contact.model_copy(update=same)
     output = case.output.model_copy(
-        update={"fields_every": 0.0, "checkpoint_every": None, "report": False, "video": False}
+        update={"checkpoint_every": None, "report": False, "video": False}
     )
     return case.model_copy(update={
         "contact": contact, "output": output, "time": case.time.model_copy(update={"end": at}),

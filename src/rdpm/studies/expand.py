@@ -199,6 +199,7 @@ def _spread(study: LoadedStudy, runs: list[StudyRun]) -> list[StudyRun]:
         for label, change in changes:
             place = f"{study.place('spread')}: run {name}~{label}"
             case = varied_numerics(run.case, place, **change)
+            case = case.model_copy(update={"output": case.output.model_copy(update={"fields_every": 0.0})})
             try:
                 plan(case)
             except CaseError as error:

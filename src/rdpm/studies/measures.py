@@ -76,6 +76,9 @@ QUANTITIES: dict[str, Quantity] = {
     "settling_speed_mean_m_s": Quantity("m/s", "of all bodies' centre, to the first kiss or the end"),
     "max_speed_m_s": Quantity("m/s", "largest speed of any body"),
     "min_gap_m": Quantity("m", "smallest gap of any body to another or a wall, of the rows"),
+    "end_gap_m": Quantity("m", "smallest gap of any body at the end"),
+    "end_speed_m_s": Quantity("m/s", "largest speed of any body at the end"),
+    "end_height_m": Quantity("m", "height of the lowest centre at the end"),
     "approach_speed_m_s": Quantity("m/s", "speed towards the wall before the first impact, outside of lubrication"),
     "wall_stokes_number": Quantity("-", "Stokes number of that speed", "log"),
     "wet_restitution": Quantity("-", "speed outside of lubrication after the first impact over that before"),
@@ -182,6 +185,18 @@ def motion_columns(run: Run) -> Columns:
     return found
 
 
+def end_columns(run: Run) -> Columns:
+    """Where the run ended: ``end_gap_m, end_speed_m_s, end_height_m``."""
+    tracks = run.tracks
+    if tracks is None or not tracks.times.size:
+        return dict.fromkeys(("end_gap_m", "end_speed_m_s", "end_height_m"), None)
+    return {
+        "end_gap_m": _number(np.nanmin(tracks.gap[-1], initial=np.inf)),
+        "end_speed_m_s": _number(np.linalg.norm(tracks.velocity[-1], axis=-1).max(initial=-np.inf)),
+        "end_height_m": _number(tracks.position[-1, :, 2].min(initial=np.inf)),
+    }
+
+
 def design_columns(run: Run) -> Columns:
     """The contact as it was designed, of the first kind of pair in ``summary.json``.
 
@@ -271,6 +286,7 @@ MEASURES: dict[str, Callable[[Run], Mapping[str, float | None]]] = {
     "dkt": pair_columns,
     "contacts": contact_columns,
     "motion": motion_columns,
+    "end": end_columns,
     "rebound": first_rebound,
     "design": design_columns,
     "cost": cost_columns,

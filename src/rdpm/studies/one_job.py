@@ -22,6 +22,7 @@ from rdpm.errors import CaseError, CheckpointError, GuardError, RdpmError
 from rdpm.io.lock import locked
 from rdpm.results.run_folder import RunFolder
 from rdpm.studies.folder import DONE, FAILED, INTERRUPTED, STOPPED, Job, Record, StudyFolder
+from rdpm.studies.kept_flow import keep_plane
 
 __all__ = ["do_job", "main"]
 
@@ -74,7 +75,8 @@ def do_job(folder: StudyFolder, job: Job, threads: int | None = None, tell: Tell
     Notes
     -----
     A run that was broken off continues from its newest checkpoint, to the same bits; without one, or if it was another
-    run, its folder is emptied first. The checkpoints of a run that is done are removed, those of a start kept.
+    run, its folder is emptied first. The checkpoints of a run that is done are removed, those of a start kept; of its
+    fields one plane is kept.
     """
     files = folder.work(job)
     files.path.mkdir(parents=True, exist_ok=True)
@@ -83,9 +85,14 @@ def do_job(folder: StudyFolder, job: Job, threads: int | None = None, tell: Tell
     if before is not None and before.is_final:
         return before
     record = _tried(folder, job, files, before is not None, threads, tell)
+    if record.status == DONE:
+        keep_plane(files)
     folder.write_record(job, record)
-    if record.status == DONE and not job.is_start:
-        shutil.rmtree(files.checkpoints, ignore_errors=True)
+    if record.status == DONE:
+        for path in (files.fields, files.bodies):
+            path.unlink(missing_ok=True)
+        if not job.is_start:
+            shutil.rmtree(files.checkpoints, ignore_errors=True)
     return record
 
 

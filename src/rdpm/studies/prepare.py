@@ -206,11 +206,11 @@ def _index(prepared: Prepared, command: str) -> dict[str, Any]:
             {
                 "name": part.name, "title": part.file.title, "question": part.file.question,
                 "measure": list(part.file.measure), "draw": list(part.file.draw),
-                "claims": [claim.model_dump() for claim in part.file.claims],
+                "claims": list(part.file.claims),
             }
             for part in _leaves(study)
         ],
-        "own": {"draw": list(study.file.draw), "claims": [claim.model_dump() for claim in study.file.claims]},
+        "own": {"draw": list(study.file.draw), "claims": list(study.file.claims)},
         "rows": rows,
     }
 

@@ -21,7 +21,7 @@ from rdpm.errors import CaseError
 from rdpm.studies.registry import CLAIMS, DRAWINGS, MEASURES
 from rdpm.studies.values import is_range, to_values
 
-__all__ = ["Base", "Claim", "LoadedStudy", "Quick", "Row", "Spread", "Start", "StudyFile", "load_study", "study_name"]
+__all__ = ["Base", "LoadedStudy", "Quick", "Row", "Spread", "Start", "StudyFile", "load_study", "study_name"]
 
 Values = dict[str, Any]
 
@@ -147,24 +147,6 @@ class Row(Model):
     unset: Texts = ()
 
 
-class Claim(Model):
-    """A statement about the results, to be judged.
-
-    Attributes
-    ----------
-    claim : str
-        One of `rdpm.studies.registry.CLAIMS`.
-    text : str
-        The statement as a sentence.
-    options : dict
-        Arguments of the claim.
-    """
-
-    claim: Annotated[str, BeforeValidator(lambda value: _one_of(value, CLAIMS))]
-    text: StrictStr = ""
-    options: dict[str, Any] = Field(default_factory=dict)
-
-
 class Spread(Model):
     """Runs repeated with changes that physics does not know.
 
@@ -227,8 +209,8 @@ class StudyFile(Model):
         its rows.
     runs : tuple of Row
         Runs beside those of `vary` and `linked`.
-    measure, draw : tuple of str
-    claims : tuple of Claim
+    measure, draw, claims : tuple of str
+        Names of `rdpm.studies.registry`.
     spread : Spread, optional
     quick : Quick, optional
     """
@@ -244,9 +226,9 @@ class StudyFile(Model):
         BeforeValidator(lambda value: tuple(placed(n, _columns, item) for n, item in enumerate(_tables(value)))),
     ] = ()
     runs: Annotated[tuple[Row, ...], BeforeValidator(_tables)] = ()
-    measure: Annotated[tuple[str, ...], _names_of(MEASURES)] = ("contacts", "extremes")
+    measure: Annotated[tuple[str, ...], _names_of(MEASURES)] = ("contacts", "motion")
     draw: Annotated[tuple[str, ...], _names_of(DRAWINGS)] = ()
-    claims: Annotated[tuple[Claim, ...], BeforeValidator(_tables)] = ()
+    claims: Annotated[tuple[str, ...], _names_of(CLAIMS)] = ()
     spread: Spread | None = None
     quick: Quick | None = None
 
@@ -268,7 +250,7 @@ _KNOWN = Known(
     StudyFile,
     {
         "case": 'Write for example case = "dkt".', "at": 'Write for example at = "1.3 s".',
-        "name": 'Write for example name = "soft".', "claim": "Name the claim.",
+        "name": 'Write for example name = "soft".',
     },
 )
 
