@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any, Literal
 
 import numpy as np
@@ -37,9 +38,7 @@ def number(row: Mapping[str, Any], name: str) -> float | None:
     (1.0, None, None)
     """
     value = row.get(name)
-    if value is None or isinstance(value, str):
-        return None
-    return float(value) if math.isfinite(value) else None
+    return float(value) if isinstance(value, Real) and math.isfinite(value) else None
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from rdpm.studies.claims.claim import (
     Verdict,
 )
 from rdpm.studies.claims.judging import judge, judge_each
+from rdpm.studies.claims.of_study import judge_study
 from rdpm.studies.claims.talk_design import DESIGN_CLAIMS
 from rdpm.studies.claims.talk_runs import RUN_CLAIMS
 
@@ -36,6 +37,7 @@ __all__ = [
     "Verdict",
     "judge",
     "judge_each",
+    "judge_study",
 ]
 
 #: Name -> claim.

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
+from numbers import Real
 from typing import Any, NamedTuple
 
 from rdpm.studies.claims.claim import Claim, Computed, Happens, Insensitive, Judgement, Limit, Trend, Verdict
@@ -100,8 +101,8 @@ def _finished(claim: Claim, found: Judgement) -> Judgement:
 def _matches(row: Mapping[str, Any], where: Mapping[str, Any]) -> bool:
     for name, wanted in where.items():
         value = row.get(name)
-        if isinstance(wanted, float) and isinstance(value, (int, float)):
-            if not math.isclose(value, wanted, rel_tol=1e-9):
+        if isinstance(wanted, float) and isinstance(value, Real):
+            if not math.isclose(float(value), wanted, rel_tol=1e-9):
                 return False
         elif value != wanted:
             return False
@@ -155,6 +156,9 @@ def _trend(expected: Trend, rows: Rows, spreads: Spreads) -> Judgement:
     along_it, against = max(seen) > 1.0, min(seen) < -1.0
     verdict: Verdict = "within the spread"
     text = f"{_series(quantity, along, points)}; the spread is {spread.describe()}."
+    absent = sum(number(row, quantity) is None for row in rows if number(row, along) is not None)
+    if absent:
+        text += f" {absent} runs have none."
     if along_it and against:
         parts = [points[a:b] for a, b in combinations(range(len(points) + 1), 2) if b - a >= 2]
         holds = [part for part in parts if min(changes(part)) >= -1.0]
@@ -197,7 +201,7 @@ def _limit(expected: Limit, rows: Rows, spreads: Spreads) -> Judgement:
 
 
 def _label(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, (int, float)) else str(value)
+    return f"{float(value):g}" if isinstance(value, Real) else str(value)
 
 
 def _insensitive(expected: Insensitive, rows: Rows, spreads: Spreads) -> Judgement:
