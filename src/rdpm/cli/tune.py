@@ -139,11 +139,13 @@ def _show(found: Tuning, files: list[Path]) -> None:
     from rich.console import Console
 
     console = Console(highlight=False, markup=False)
+    width, console.width = console.width, max(console.width, 120)  # a row of the table stays on one line
     if found.step_rows:
         console.print(_step_table(found))
         console.print()
     console.print(_contact_table(found))
     console.print()
+    console.width = width
     console.print(found.verdict())
     if found.window is not None:
         console.print(f"\nRun it with: rdpm run {found.case_file}")
@@ -177,7 +179,7 @@ def _step_table(found: Tuning) -> Any:
 
 def _contact_table(found: Tuning) -> Any:
     headings = (
-        "N_c", "t_c [ms]", "k_n [N/m]", "eta_n [N s/m]", "overlap [% d]", "dry [% d]", "work [-]", "impact [m/s]",
+        "N_c", "t_c [ms]", "k_n [N/m]", "eta_n [N s/m]", "overlap [% d]", "dry [% d]", "work [-]", "v_n [m/s]",
         found.seen.outcome, "",
     )  # fmt: skip
     table = _table(f"Contact steps, {found.kind}", headings)

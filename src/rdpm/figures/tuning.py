@@ -56,9 +56,22 @@ def plot_tuning(path: str | Path, tuning: Mapping[str, Any], names: Mapping[str,
             if tuning["window"]:
                 axes.axvspan(min(tuning["window"]), max(tuning["window"]), **_SHADE, label="range of $N_c$")
             axes.legend()
+        for axes in (convergence, overlap, length):
+            _plain_ticks(axes)
         dt = 1e3 * tuning["time_step"]["dt_s"]
         caption = f"{tuning['case']}: runs at dt = {dt:.4g} ms, restitution {tuning['restitution']:.3g} (dry)."
         return save(figure, path, f"{caption} {tuning['verdict']}")
+
+
+def _plain_ticks(axes: Axes) -> None:
+    """Ticks of logarithmic axes at 1, 2 and 5 of each decade, as plain numbers."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    for axis in (axes.xaxis, axes.yaxis):
+        if axis.get_scale() == "log":
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_minor_formatter(NullFormatter())
 
 
 def _column(rows: Sequence[Mapping[str, Any]], name: str) -> NDArray[np.float64]:

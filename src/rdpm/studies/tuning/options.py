@@ -109,7 +109,7 @@ def step_candidates(case: Case, is_quick: bool = False) -> list[float]:
     Returns
     -------
     list of float, [s]
-        The first lies below the step in which the flow crosses one cell (twice the plan's own step in a dry case).
+        The first lies below the step in which the flow crosses one cell (the case's own step doubled, in a dry one).
 
     Examples
     --------
@@ -117,10 +117,11 @@ def step_candidates(case: Case, is_quick: bool = False) -> list[float]:
     >>> step_candidates(load_case("dkt"))
     [0.01, 0.005, 0.0025, 0.00125, 0.000625]
     """
-    automatic = case.model_copy(update={"time": case.time.model_copy(update={"step": "auto"})})
-    step = plan(automatic).step
-    advective = step.limits.get("advective", math.inf)
-    hardest = advective / case.time.cfl if math.isfinite(advective) else 2.0 * step.dt
+    if case.fluid is None:
+        hardest = 2.0 * plan(case).step.dt
+    else:
+        automatic = case.model_copy(update={"time": case.time.model_copy(update={"step": "auto"})})
+        hardest = plan(automatic).step.limits["advective"] / case.time.cfl
     longest = _rounded_down(min(hardest, case.time.end / 10.0))
     return [float(f"{longest / 2**n:.12g}") for n in range(4 if is_quick else 5)]
 

@@ -19,8 +19,8 @@ __all__ = ["Probed", "columns", "dry_design", "first_kind", "probed", "work_frac
 #: Part of the time to the first contact at which the runs of N_c begin, and runs that need no contact end.
 BEFORE_CONTACT = 0.93
 
-#: Runs in which a kiss counts go on by so much beyond the one seen first.
-AFTER_KISS = 1.05
+#: Runs in which a kiss, or the last contact and the tumbling, counts go on by so much beyond the one seen first.
+AFTER_KISS, AFTER_TUMBLE = 1.05, 1.1
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,8 @@ class Probed:
         Columns of `QUANTITIES` to find the time step and the contact steps by.
     contact_s : float
         First contact.
-    measured_s : float
-        Where `measure` is known.
+    measured_s, judged_s : float
+        When `measure` is known; when `outcome` is and all contacts have ended.
     overlap_fraction : float
         Largest of the run, with contacts of `contact_time_s`.
     contact_time_s : float
@@ -48,6 +48,7 @@ class Probed:
     outcome: str
     contact_s: float
     measured_s: float
+    judged_s: float
     overlap_fraction: float
     contact_time_s: float
     impact_speed_m_s: float | None
@@ -77,7 +78,8 @@ def probed(run: Run) -> Probed | None:
     -----
     A pair that kisses is measured by its kiss time and judged by the start of tumbling (by the last angle where it does
     not tumble); a body that rebounds from a wall by the height of the rebound; anything else by the settling speed
-    until shortly before the first contact, and by the mean one of the whole run.
+    until shortly before the first contact, and by the mean one of the whole run. A run may end before the case does
+    where the pair has tumbled and no contact came after.
     """
     rows = run.contacts
     if rows is None or not rows["start_s"].size:
@@ -86,17 +88,19 @@ def probed(run: Run) -> Probed | None:
     n = int(np.argmin(rows["start_s"]))
     contact = float(rows["start_s"][n])
     end = float(run.summary.time_s or contact)
-    kiss = found["kiss_time_s"]
+    kiss, tumble, judged = found["kiss_time_s"], found["tumble_start_s"], end
     if kiss is not None and rows["j"][n] >= 0:
-        outcome = "final_angle_deg" if found["tumble_start_s"] is None else "tumble_start_s"
-        kind, measure, known = "kiss", "kiss_time_s", min(end, AFTER_KISS * kiss)
+        kind, measure, outcome, known = "kiss", "kiss_time_s", "final_angle_deg", min(end, AFTER_KISS * kiss)
+        if tumble is not None:
+            outcome = "tumble_start_s"
+            judged = min(end, AFTER_TUMBLE * max(tumble, float(np.max(rows["start_s"] + rows["duration_s"]))))
     elif found["rebound_height_m"] is not None and rows["j"][n] < 0:
         kind, measure, outcome, known = "wall", "rebound_height_m", "rebound_height_m", end
     else:
         kind, measure, outcome = "other", "settling_speed_max_m_s", "settling_speed_mean_m_s"
         known = BEFORE_CONTACT * contact
     return Probed(
-        kind, measure, outcome, contact, known, float(found["max_overlap_fraction"] or 0.0),
+        kind, measure, outcome, contact, known, judged, float(found["max_overlap_fraction"] or 0.0),
         float(run.summary.contact.contact_time_s or 0.0), found["max_impact_speed_m_s"],
     )
 

@@ -138,7 +138,7 @@ class Tuning:
         same = f"agrees within {_percent(self.options.of_outcome)}"
         if self.spread is not None and math.isfinite(self.spread.half_width):
             same += f" or the spread of numerics ({self.spread.describe()})"
-        ends = "; all that were tried" if len(members) == len(self.rows) else ""
+        ends = " (all that were tried)" if len(members) == len(self.rows) else ""
         return (
             f"For N_c from {self.window}{ends}, the overlap is at most {most} d (limit {limit} d), no contact makes "
             f"energy, and {self.seen.outcome} {same}: N_c = {chosen['contact_steps']:g} lies between the ends, with "
@@ -187,12 +187,15 @@ class Tuning:
         """
         if self.window is None:
             raise ValueError("no contact steps were found")
+        steps = self.window.chosen
         values = {
-            "contact.contact_steps": self.window.chosen, "contact.restitution": self.restitution,
+            "contact.contact_steps": int(steps) if steps == int(steps) else steps,
+            "contact.restitution": self.restitution,
             "time.step": f"{1e3 * self.step.dt_s:.12g} ms",
-        }  # fmt: skip
+        }
         content, _ = changed(dict(self.raw), [values], (), self.name)
-        head = f"# The case {self.name} with the time step and contact steps that `{self.command or 'rdpm tune'}` found."
+        how = self.command or "rdpm tune"
+        head = f"# The case {self.name} with the time step and the contact steps that `{how}` found."
         return f"{head}\n# N_c from {self.window} keeps to all rules.\n{study_to_toml(content)}"
 
     def save(self) -> list[Path]:

@@ -120,14 +120,14 @@ class _Tuner:
     command: str
 
     def done(self) -> Tuning:
-        self._check_folder()
         self.restitution = _restitution(self.case)
         self.candidates = list(self.options.time_steps) or step_candidates(self.case, self.options.quick)
+        self._make_folder()
         seen = self._probe()
         if self.options.measure and self.options.measure != seen.measure:
             seen = replace(seen, measure=self.options.measure, measured_s=self.case.time.end)
-        if self.options.outcome:
-            seen = replace(seen, outcome=self.options.outcome)
+        if self.options.outcome and self.options.outcome != seen.outcome:
+            seen = replace(seen, outcome=self.options.outcome, judged_s=self.case.time.end)
         steps, choice = self._time_step(seen)
         rows, spread, kind = self._contact_steps(seen, choice.dt_s)
         limit = self.case.contact.overlap_warning
@@ -141,7 +141,7 @@ class _Tuner:
             tuple(rows), spread, window, design, kind.name, self.command,
         )  # fmt: skip
 
-    def _check_folder(self) -> None:
+    def _make_folder(self) -> None:
         is_old = (self.out / "probe" / "study.json").is_file()
         if self.out.exists() and not is_old and (not self.out.is_dir() or any(self.out.iterdir())):
             raise CaseError(f"--out {self.out}", None, "must be new, empty, or the folder of a tuning",
@@ -177,10 +177,7 @@ class _Tuner:
 
     def _kept_contact(self, dt: float, end: float) -> Row:
         """A contact as long in time as the case's own, or of the fewest steps where these last longer."""
-        made = plan(self.case)
-        times = [pair.design.contact_time_s for pair in made.pairs if pair.design.contact_time_s is not None]
-        own = min(times, default=ROOM_STEPS * made.step.dt)
-        return self._contact(min(max(4.0, own / dt), 1000.0), dt, end)
+        return self._contact(min(max(4.0, _own_contact_time(self.case) / dt), 1000.0), dt, end)
 
     def _refusal(self, changes: Row) -> str:
         """Why the plan refuses a run; "" where it does not."""
@@ -193,9 +190,7 @@ class _Tuner:
     def _probe(self) -> Probed:
         """Run the case once with its own contact: what happens, and when."""
         end = self.case.time.end
-        made = plan(self.case)
-        times = [pair.design.contact_time_s for pair in made.pairs if pair.design.contact_time_s is not None]
-        longest = min([made.step.limits.get("advective", math.inf), *(t / 4.0 for t in times)])
+        longest = min(plan(self.case).step.limits.get("advective", math.inf), _own_contact_time(self.case) / 4.0)
         reason = ""
         for dt in [dt for dt in self.candidates if dt <= longest * (1.0 + 1e-9)] or self.candidates[-1:]:
             changes = self._kept_contact(dt, end)
@@ -249,7 +244,7 @@ class _Tuner:
 
     def _contact_steps(self, seen: Probed, dt: float) -> tuple[list[Row], Spread | None, Any]:
         """Runs that differ in N_c, from one start, and one of them repeated with other numerics."""
-        end = self.case.time.end
+        end = min(self.case.time.end, math.ceil(seen.judged_s / dt) * dt)
         values = self.options.contact_steps
         runs = [{"name": f"N_c-{n:g}", "set": self._contact(n, dt, end)} for n in values]
         more: dict[str, Any] = {}
@@ -304,6 +299,13 @@ def _row(n: float, dry: Any, results: StudyResults, found: Mapping[str, Any], ou
     return row
 
 
+def _own_contact_time(case: Case) -> float:
+    """Shortest contact time of a case as it is [s]."""
+    made = plan(case)
+    times = [pair.design.contact_time_s for pair in made.pairs if pair.design.contact_time_s is not None]
+    return min(times, default=ROOM_STEPS * made.step.dt)
+
+
 def _step_name(dt: float) -> str:
     return f"dt-{1e3 * dt:.6g}ms"
 
@@ -314,7 +316,7 @@ def _restitution(case: Case) -> float:
     designed = [pair.design.restitution for pair in plan(case).pairs]
     value = given if given is not None else next(iter(designed), None)
     if value is None or value <= 0.0:
-        raise CaseError("contact.restitution", value, "must be above 0", "N_c and e_n together are the contact, and this "
+        raise CaseError("contact.restitution", value, "must be above 0", "a contact follows from N_c and e_n, and this "
                         "spring and dashpot have none", "Add --set contact.restitution=0.5.")  # fmt: skip
     return float(value)
 
