@@ -92,6 +92,10 @@ class _Pool:
                 if isinstance(said, dict):
                     self.events.put((job, said))
         process.wait()
+        for pipe in (process.stdin, process.stdout):
+            with suppress(OSError):
+                assert pipe is not None
+                pipe.close()
         self.events.put((job, None))
 
     def wait(self) -> Job | None:
