@@ -9,8 +9,10 @@
 #include <type_traits>
 
 #include "check.hpp"
+#include "rdpm/contacts/hertz.hpp"
 #include "rdpm/contacts/motion.hpp"
 #include "rdpm/contacts/neighbours.hpp"
+#include "rdpm/contacts/repulsive.hpp"
 #include "rdpm/contacts/soft_sphere.hpp"
 #include "rdpm/contacts/substeps.hpp"
 
@@ -114,6 +116,8 @@ Facts contact_layouts() {
 }
 
 constexpr contacts::Kernel soft_sphere = contacts::kernel_of<contacts::SoftSphere>();
+constexpr contacts::Kernel hertz = contacts::kernel_of<contacts::Hertz>();
+constexpr contacts::Kernel repulsive = contacts::kernel_of<contacts::Repulsive>();
 
 const contacts::Kernel& kernel_at(std::uintptr_t address) {
     const auto& kernel = *reinterpret_cast<const contacts::Kernel*>(address);
@@ -229,6 +233,8 @@ void bind_contacts(nb::module_& module) {
         .def_prop_ro("parameters", [](const contacts::Kernel& k) { return layout_dict(k.parameters); })
         .def_prop_ro("history", [](const contacts::Kernel& k) { return layout_dict(k.history); });
     module.def("soft_sphere_kernel", [] { return &soft_sphere; }, nb::rv_policy::reference);
+    module.def("hertz_kernel", [] { return &hertz; }, nb::rv_policy::reference);
+    module.def("repulsive_kernel", [] { return &repulsive; }, nb::rv_policy::reference);
     module.def("contact_layouts", &contact_layouts);
     module.def("run_substeps", &run_substeps, nb::arg("kernel"), nb::arg("box"), nb::arg("position"),
                nb::arg("velocity"), nb::arg("angular_velocity"), nb::arg("rotation"),

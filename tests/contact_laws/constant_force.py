@@ -39,6 +39,7 @@ class ConstantForce:
 
     acceleration: float
     speed: float
+    interaction_range: float = 0.0
 
     @property
     def driver(self) -> SubstepDriver:

@@ -40,17 +40,35 @@ _UNITS = {
     "tangential_ratio": "",
     "friction": "",
     "overlap_limit": "",
+    "repulsion_range": "m",
+    "repulsion_stiffness": "N",
+    "gap": "m",
 }
 _SUFFIX = {"": "", "kg": "_kg", "m": "_m", "s": "_s", "m/s": "_m_s", "kg/m^3": "_kg_m3", "N/m": "_N_m",
-           "N s/m": "_N_s_m", "Pa": "_Pa", "Pa s": "_Pa_s", "m/s^2": "_m_s2"}  # fmt: skip
+           "N s/m": "_N_s_m", "N": "_N", "Pa": "_Pa", "Pa s": "_Pa_s", "m/s^2": "_m_s2"}  # fmt: skip
 _MOST_ROWS = 1_000_000
 
 _Quantity = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
+_Model = Literal["soft-sphere", "hertz", "repulsive"]
 _Program = Literal["lammps", "liggghts", "mfix", "yade", "mercurydpm"]
+
+
+# Inputs of the other models, beside bodies, speed and fluid.
+_BODIES = {"diameter", "density", "diameter2", "density2", "impact_speed", "time_step", "fluid_density", "viscosity",
+           "gravity"}  # fmt: skip
+_OF_MODEL = {
+    "hertz": _BODIES | {"youngs_modulus", "poisson_ratio", "restitution", "overlap_limit"},
+    "repulsive": _BODIES | {"repulsion_range", "repulsion_stiffness", "gap"},
+}
+_NEEDED_OF_MODEL = {
+    "hertz": ("diameter", "density", "youngs_modulus", "poisson_ratio", "restitution"),
+    "repulsive": ("diameter", "density", "repulsion_range"),
+}
 
 
 def design(
     *,
+    model: _Model = "soft-sphere",
     mass: _Quantity = None,
     diameter: _Quantity = None,
     density: _Quantity = None,
@@ -74,6 +92,9 @@ def design(
     tangential_ratio: _Quantity = None,
     friction: _Quantity = None,
     overlap_limit: _Quantity = None,
+    repulsion_range: _Quantity = None,
+    repulsion_stiffness: _Quantity = None,
+    gap: _Quantity = None,
     ending: Literal["zero-force", "zero-overlap"] = "zero-force",
     approach: Literal["graphical", "trial", "contact-steps"] | None = None,
     units: Literal["si", "cgs"] = "si",
@@ -91,8 +112,14 @@ def design(
     Give a mass, and two of stiffness, damping, restitution, contact time (or contact steps with a time step)
     and overlap at an impact speed; or three without the mass.
 
+    With --model hertz: --diameter, --density, --youngs-modulus, --poisson-ratio, --restitution and an impact
+    speed (or the fluid) give contact time, overlap and time step. With --model repulsive: --diameter, --density,
+    --repulsion-range and either the closest --gap wanted or --repulsion-stiffness.
+
     Parameters
     ----------
+    model
+        Contact model to design.
     mass
         Reduced mass [kg]; or --diameter with --density.
     diameter
@@ -139,6 +166,12 @@ def design(
         Coulomb's coefficient.
     overlap_limit
         Bound of the overlap verdicts, of the smaller diameter; 0.5 % without it.
+    repulsion_range
+        Gap below which the repulsive force acts [m].
+    repulsion_stiffness
+        Repulsive force at touch [N].
+    gap
+        Closest wanted, at the impact speed and under the submerged weight [m].
     ending
         When the contact is over: the force turns attractive, or the overlap is gone.
     approach
@@ -161,6 +194,12 @@ def design(
     swept = {name: _range(name, text) for name, text in texts.items() if ":" in text}
     if len(swept) > 1:
         raise CaseError("rdpm design", ", ".join(_option(n) for n in swept), "only one input can be a sweep")
+    if model != "soft-sphere":
+        _only_printed(model, approach=approach, csv=csv, figures=figures, export=export)
+        _check_model(model, {**single, **swept}, swept)
+        return _print_model(model, single, wall, ending, as_json)
+    if others := [name for name in ("repulsion_range", "repulsion_stiffness", "gap") if name in texts]:
+        _refuse_input(others[0], "repulsive", model)
     if approach is not None:
         _one_output(swept, figures=figures, export=export, json=as_json)
         _write_table(_approach_table(approach, single, swept, wall, ending), csv)
@@ -177,6 +216,36 @@ def design(
         _write_table([_row("", 0.0, one)], csv)
     if figures is not None:
         _draw(one, figures, figure_format)
+    return 0
+
+
+def _refuse_input(name: str, belongs: str, model: str) -> None:
+    raise CaseError(_option(name), None, f"belongs to --model {belongs}", f"this design is of --model {model}",
+                    f"Leave it out, or say --model {belongs}.")  # fmt: skip
+
+
+def _check_model(model: str, given: dict[str, Any], swept: dict[str, Any]) -> None:
+    """Refuse what does not belong to the model, and what it lacks."""
+    for name in given:
+        if name not in _OF_MODEL[model]:
+            owners = [other for other, names in _OF_MODEL.items() if name in names]
+            _refuse_input(name, owners[0] if owners else "soft-sphere", model)
+    for name in swept:
+        rule = f"must be one value with --model {model}"
+        raise CaseError(_option(name), None, rule, "sweeps are of the soft sphere", "Give one number.")
+    for name in _NEEDED_OF_MODEL[model]:
+        if name not in given:
+            raise CaseError(_option(name), None, f"must be given with --model {model}", cure=f"Add {_option(name)}.")
+
+
+def _print_model(model: str, single: dict[str, float], wall: bool, ending: Any, as_json: bool) -> int:
+    """Print the design of a Hertz contact or a repulsive force."""
+    from rdpm.design import hertz_design, repulsive_design
+
+    short = {"repulsion_range": "range", "repulsion_stiffness": "stiffness"}
+    named: dict[str, Any] = {short.get(name, name): value for name, value in single.items()}
+    one = hertz_design(**named, wall=wall, ending=ending) if model == "hertz" else repulsive_design(**named, wall=wall)
+    print(json.dumps(one.to_dict(), indent=2) if as_json else one)
     return 0
 
 
@@ -239,6 +308,14 @@ def _print_sweep(
         print(json.dumps([d.to_dict() for d in designs], indent=2))
     if csv is not None or not as_json:
         _write_table([_row(name, v, d) for v, d in zip(values, designs, strict=True)], csv)
+
+
+def _only_printed(model: str, **others: Any) -> None:
+    """Refuse outputs that the other models do not have."""
+    for name, value in others.items():
+        if value:
+            raise CaseError(_option(name), None, f"cannot go with --model {model}", "it is of the soft sphere",
+                            "Take one away.")  # fmt: skip
 
 
 def _print_one(one: Design, units: Literal["si", "cgs"], as_json: bool, export: _Program | None) -> None:

@@ -120,6 +120,13 @@ class Case(Model):
                 value=True,
                 at=("contact", "lubrication"),
             )
+        if self.contact.model == "repulsive" and self.contact.repulsion_range is None:
+            raise RuleError(
+                "is missing in a case without [fluid]",
+                "there is no grid that would choose it",
+                'Give it, such as "0.2 mm".',
+                at=("contact", "repulsion_range"),
+            )
         if self.time.step == "adaptive":
             raise RuleError(
                 "must not be in a case without [fluid]",

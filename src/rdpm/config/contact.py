@@ -1,4 +1,4 @@
-"""How bodies touch: the law and one of four ways to give its parameters."""
+"""How bodies touch: the model, its keys, and the ways to give its parameters."""
 
 from __future__ import annotations
 
@@ -19,7 +19,37 @@ _RESTITUTION = 0.9  # of most hard spheres within 10 %, where only the overlap i
 _TANGENTIAL_RATIO = 2 / 7  # a homogeneous sphere then has equal normal and tangential contact periods
 
 Ending = Literal["zero-force", "zero-overlap"]
-Way = Literal["contact-steps", "stiffness-damping", "stiffness-restitution", "max-overlap"]
+Name = Literal["soft-sphere", "hertz", "repulsive"]
+Way = Literal["contact-steps", "stiffness-damping", "stiffness-restitution", "max-overlap", "material", "repulsion"]
+
+# Models that a key belongs to; those left out here belong to all.
+_MODELS_OF: dict[str, tuple[Name, ...]] = {
+    "contact_steps": ("soft-sphere",),
+    "restitution": ("soft-sphere", "hertz"),
+    "stiffness": ("soft-sphere",),
+    "damping": ("soft-sphere",),
+    "max_overlap": ("soft-sphere",),
+    "impact_speed": ("soft-sphere", "hertz"),
+    "ending": ("soft-sphere", "hertz"),
+    "friction": ("soft-sphere", "hertz"),
+    "tangential_ratio": ("soft-sphere",),
+    "poisson_ratio": ("soft-sphere", "hertz"),
+    "youngs_modulus": ("hertz",),
+    "repulsion_range": ("repulsive",),
+    "repulsion_stiffness": ("repulsive",),
+}
+# Keys that a model cannot do without, and why.
+_NEEDED: dict[Name, tuple[tuple[str, str, str], ...]] = {
+    "hertz": (
+        ("youngs_modulus", "it makes the stiffness", 'such as "10 MPa"'),
+        ("poisson_ratio", "it makes the stiffness", "such as 0.3"),
+        ("restitution", "it makes the damping", "such as 0.9"),
+    ),
+    "repulsive": (
+        ("repulsion_stiffness", "it is the force at touch", "such as what rdpm design --model repulsive gives"),
+    ),
+}
+_OTHER_WAYS: dict[Name, Way] = {"hertz": "material", "repulsive": "repulsion"}
 
 _WAYS: dict[frozenset[str], Way] = {
     frozenset({"contact_steps", "restitution"}): "contact-steps",
@@ -36,7 +66,8 @@ class Contact(Model):
     Attributes
     ----------
     model
-        Law of the normal force. A soft sphere is a linear spring and dashpot.
+        How surfaces act on each other, bodies and walls alike. `soft-sphere`: a linear spring and dashpot; `hertz`:
+        elastic solids, damped; `repulsive`: a short-range force that keeps surfaces apart, without friction.
     contact_steps
         Duration of every contact in fluid steps; with `restitution`.
     restitution
@@ -48,7 +79,7 @@ class Contact(Model):
     max_overlap
         Largest overlap over the smaller diameter, reached at `impact_speed`.
     impact_speed
-        Normal relative speed at touch, for `max_overlap`.
+        Normal relative speed at touch: for `max_overlap`; of a Hertz contact, the one that the time step resolves.
     ending
         Where a contact ends: at zero force (LIGGGHTS' `limitForce`), or at zero overlap, where the force is briefly
         attractive.
@@ -57,7 +88,14 @@ class Contact(Model):
     tangential_ratio
         Tangential over normal stiffness.
     poisson_ratio
-        Gives the tangential ratio; instead of `tangential_ratio`.
+        Of a soft sphere, gives the tangential ratio, instead of `tangential_ratio`; of a Hertz contact, with
+        `youngs_modulus`.
+    youngs_modulus
+        Of bodies and walls; Hertz contacts with a softer one last longer and take longer time steps.
+    repulsion_range
+        Gap below which the repulsive force acts.
+    repulsion_stiffness
+        Repulsive force at touch: stiffness (1 - gap/range)^2.
     lubrication
         Whether the lubrication that the grid does not resolve is added; with a fluid only.
     lubrication_roughness
@@ -70,9 +108,7 @@ class Contact(Model):
         Contact steps in a fluid step.
     """
 
-    model: Annotated[Literal["soft-sphere"], Choice(("soft-sphere",), later=("hertz", "hard-sphere", "repulsive"))] = (
-        "soft-sphere"
-    )
+    model: Annotated[Name, Choice(get_args(Name), later=("hard-sphere",))] = "soft-sphere"
     contact_steps: Annotated[float | None, Quantity("", ge=4.0, le=1000.0)] = None
     restitution: Annotated[
         float | None, Quantity("", gt=0.0, le=1.0), LeftOut(f"{_RESTITUTION:g} beside `max_overlap`")
@@ -87,6 +123,11 @@ class Contact(Model):
         float | None, Quantity("", gt=0.0, le=1.0), LeftOut("2/7 without `poisson_ratio`")
     ] = None
     poisson_ratio: Annotated[float | None, Quantity("", ge=0.0, le=0.5)] = None
+    youngs_modulus: Annotated[float | None, Quantity("Pa", gt=0.0)] = None
+    repulsion_range: Annotated[
+        float | None, Quantity("m", gt=0.0), LeftOut("two cells of the grid; needed in a dry case")
+    ] = None
+    repulsion_stiffness: Annotated[float | None, Quantity("N", gt=0.0)] = None
     lubrication: Annotated[StrictBool, LeftOut("true with a fluid")] = True
     lubrication_roughness: Annotated[float, Quantity("", gt=0.0, le=0.1)] = 1e-3
     overlap_warning: Annotated[float, Quantity("", gt=0.0, le=0.05)] = OVERLAP_WARNING
@@ -99,6 +140,8 @@ class Contact(Model):
         if not isinstance(raw, dict):
             return raw
         filled = dict(raw)
+        if raw.get("model", "soft-sphere") != "soft-sphere":
+            return filled
         if raw.get("poisson_ratio") is None and raw.get("tangential_ratio") is None:
             filled["tangential_ratio"] = _TANGENTIAL_RATIO
         if "max_overlap" in raw and "impact_speed" in raw:
@@ -106,7 +149,24 @@ class Contact(Model):
         return filled
 
     @model_validator(mode="after")
-    def _is_one_way(self) -> Contact:
+    def _is_of_its_model(self) -> Contact:
+        for key, models in _MODELS_OF.items():
+            value = getattr(self, key)
+            if self.model in models or value == type(self).model_fields[key].default:
+                continue
+            raise RuleError(
+                f"belongs to model = {' or '.join(_quoted(models))}",
+                f'this contact has model = "{self.model}"',
+                f'Leave it out, or set contact.model = "{models[0]}".',
+                value=value,
+                at=(key,),
+            )
+        for key, reason, example in _NEEDED.get(self.model, ()):
+            if getattr(self, key) is None:
+                raise RuleError(f'is missing for model = "{self.model}"', reason, f"Give it, {example}.", at=(key,))
+        return self._one_way() if self.model == "soft-sphere" else self
+
+    def _one_way(self) -> Contact:
         if self.tangential_ratio is not None and self.poisson_ratio is not None:
             raise RuleError(
                 'must have at most one of "tangential_ratio" and "poisson_ratio"', "both are given"
@@ -132,7 +192,13 @@ class Contact(Model):
     @property
     def way(self) -> Way:
         """Which parameters are given; the others follow from them for each pair of bodies."""
+        if self.model in _OTHER_WAYS:
+            return _OTHER_WAYS[self.model]
         return _WAYS[frozenset(name for name in _PARAMETERS if getattr(self, name) is not None)]
+
+
+def _quoted(names: tuple[str, ...]) -> list[str]:
+    return [f'"{name}"' for name in names]
 
 
 def _cure(given: frozenset[str]) -> str:

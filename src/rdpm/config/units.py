@@ -34,6 +34,7 @@ QUANTITIES = {
     "m^2/s": ("a kinematic viscosity", "1e-6 m^2/s"),
     "Pa/m": ("a pressure gradient", "10 Pa/m"),
     "Pa": ("a pressure", "1 MPa"),
+    "N": ("a force", "1 mN"),
     "N/m": ("a stiffness", "100 N/m"),
     "N s/m": ("a damping coefficient", "0.1 N s/m"),
     "": ("a plain number", "0.5"),

@@ -7,9 +7,11 @@ motion over one time step) and ``contacts.py`` (what holds them together).
 from rdpm.contacts.contacts import Contacts
 from rdpm.contacts.driver import ContactStep
 from rdpm.contacts.episodes import EPISODE
+from rdpm.contacts.hertz import Hertz
 from rdpm.contacts.law import ContactLaw
 from rdpm.contacts.lubrication import Lubrication
 from rdpm.contacts.neighbours import nearest_gaps
+from rdpm.contacts.repulsive import Repulsive
 from rdpm.contacts.rows import PAIR
 from rdpm.contacts.soft_sphere import SoftSphere
 from rdpm.contacts.substeps import SubstepDriver
@@ -20,7 +22,9 @@ __all__ = [
     "ContactLaw",
     "ContactStep",
     "Contacts",
+    "Hertz",
     "Lubrication",
+    "Repulsive",
     "SoftSphere",
     "SubstepDriver",
     "nearest_gaps",

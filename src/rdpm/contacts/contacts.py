@@ -136,7 +136,7 @@ class Contacts:
         inverse_mass = free / (b.mass if inertia is None else inertia)
         inverse_moment = free / (b.moment_of_inertia if moment is None else moment)
         # A spring under load may throw its bodies apart.
-        margin = self._lubrication_range + 2.0 * self._history.largest_overlap
+        margin = max(self._lubrication_range, self.law.interaction_range) + 2.0 * self._history.largest_overlap
         ids = self._neighbours.pairs(force, inverse_mass, dt, margin)
         impulses = np.zeros((3, n, 3))
         step = ContactStep(impulses[0], impulses[1], impulses[2], np.zeros(n))

@@ -23,6 +23,10 @@ class ContactLaw(Protocol):
     def driver(self) -> Driver:
         """Runs the pairs over a step; its ``parameters`` and ``history`` are the dtypes of the law's rows."""
 
+    @property
+    def interaction_range(self) -> float:
+        """Gap below which the force acts [m]; 0 where it acts between surfaces that overlap alone."""
+
     def parameters(self, pairs: Rows) -> Rows:
         """Parameters of each pair, without friction where the pair has none.
 

@@ -198,6 +198,11 @@ class SoftSphere:
         return cls(normal, ending, friction, tangential_ratio)
 
     @property
+    def interaction_range(self) -> float:
+        """The force acts between surfaces that overlap alone."""
+        return 0.0
+
+    @property
     def driver(self) -> SubstepDriver:
         """The sub-steps, compiled over the law."""
         return _DRIVER

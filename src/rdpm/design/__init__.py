@@ -22,6 +22,15 @@ from rdpm.design.hertz import (
     rayleigh_time,
     reduced_radius,
 )
+from rdpm.design.hertz_contact import (
+    effective_shear_modulus,
+    hertz_damping,
+    hertz_duration,
+    hertz_peak_overlap,
+    hertz_speed,
+    hertz_stiffness,
+)
+from rdpm.design.hertz_design import HertzDesign, hertz_design
 from rdpm.design.integrators import produced_restitution
 from rdpm.design.overlap import (
     contact_steps_for_stiffness,
@@ -32,6 +41,14 @@ from rdpm.design.overlap import (
     static_overlap,
     submerged_weight,
 )
+from rdpm.design.repulsive import (
+    closest_gap,
+    repulsion_stiffness,
+    repulsion_time,
+    resting_gap,
+    weight_stiffness,
+)
+from rdpm.design.repulsive_design import RepulsiveDesign, repulsive_design
 from rdpm.design.result import Design, Verdict
 from rdpm.design.soft_sphere import (
     achieved_restitution,
@@ -54,9 +71,12 @@ soft_sphere = front_door.soft_sphere
 
 __all__ = [
     "Design",
+    "HertzDesign",
+    "RepulsiveDesign",
     "Verdict",
     "achieved_restitution",
     "added_mass",
+    "closest_gap",
     "contact_parameters",
     "contact_steps_for_stiffness",
     "contact_time",
@@ -64,8 +84,15 @@ __all__ = [
     "damping_ratio",
     "dimensionless_contact_time",
     "effective_modulus",
+    "effective_shear_modulus",
     "hertz_contact_time",
+    "hertz_damping",
+    "hertz_design",
+    "hertz_duration",
     "hertz_overlap",
+    "hertz_peak_overlap",
+    "hertz_speed",
+    "hertz_stiffness",
     "impact_speed_for_overlap",
     "largest_contact_time",
     "largest_time_step",
@@ -76,6 +103,10 @@ __all__ = [
     "rayleigh_time",
     "reduced_mass",
     "reduced_radius",
+    "repulsion_stiffness",
+    "repulsion_time",
+    "repulsive_design",
+    "resting_gap",
     "restitution",
     "sliding_ratio",
     "soft_sphere",
@@ -88,5 +119,6 @@ __all__ = [
     "tangential_parameters",
     "tangential_restitution",
     "terminal_velocity",
+    "weight_stiffness",
     "wet_restitution",
 ]

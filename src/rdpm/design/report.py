@@ -6,9 +6,13 @@ stored one reads the same.
 
 from __future__ import annotations
 
-from typing import Any, Literal, TypeAlias
+from collections.abc import Sequence
+from typing import Any, Literal, Protocol, TypeAlias
 
-__all__ = ["Units", "render", "rows"]
+__all__ = ["Row", "Units", "render", "render_rows", "rows"]
+
+Row: TypeAlias = tuple[str, float | None, str, str]
+"""Quantity, value (None where unknown), unit, note."""
 
 Units: TypeAlias = Literal["si", "cgs"]
 
@@ -121,3 +125,43 @@ def render(design: dict[str, Any], units: Units = "si") -> str:
             shown = [f"{q:.4f}" if q is not None else "never parts" for q in (p["mean"], least, greatest)]
             out.append(f"  {p['integrator']:<22}{shown[0]:>8}   {shown[1]} to {shown[2]}")
     return "\n".join([*out, "", f"Advice: {design['advice']['text']}"])
+
+
+class _Verdict(Protocol):
+    @property
+    def severity(self) -> str: ...
+
+    @property
+    def reason(self) -> str: ...
+
+    @property
+    def source(self) -> str: ...
+
+
+def render_rows(title: str, lines: Sequence[Row], verdicts: Sequence[_Verdict]) -> str:
+    """Write rows and verdicts as text; what is unknown is left out.
+
+    Parameters
+    ----------
+    title : str
+    lines : sequence of Row
+    verdicts : sequence of Verdict
+        ``str`` gives a line each.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print(render_rows("Contact", [("contact time", 1e-3, "s", "t_c")], []).splitlines()[2])
+      contact time                    0.001 s          t_c
+    """
+    known = [row for row in lines if row[1] is not None]
+    out = [title, "", *(f"  {word:<26}{value:>12.6g} {unit:<10} {note}" for word, value, unit, note in known)]
+    out += ["", "Verdicts"]
+    for verdict in verdicts:
+        out.append(f"  {verdict}")
+        if verdict.severity != "ok":
+            out.append(f"       {verdict.reason}; {verdict.source}")
+    return "\n".join(out)

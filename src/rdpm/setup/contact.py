@@ -1,27 +1,30 @@
-"""The contacts of a case: its kinds of pairs, the law between them, and the longest step they allow."""
+"""The contacts of a case: the law of its model, the longest step it allows, the design of each kind of pair."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rdpm import design
 from rdpm.config.case import Case
-from rdpm.contacts import SoftSphere
+from rdpm.contacts import ContactLaw, SoftSphere
 from rdpm.design.verdicts import LEAST_CONTACT_STEPS
+from rdpm.setup.hertz import hertz_designs, hertz_law, hertz_limit
+from rdpm.setup.kinds import Kind
+from rdpm.setup.repulsive import repulsive_designs, repulsive_law, repulsive_limit
 
-__all__ = ["AUTO_OVERLAP", "MOST_GROUPS", "Kind", "PairKind", "contact_law", "contact_limit", "kinds_of_pairs", "pairs"]
+__all__ = ["AUTO_OVERLAP", "PairKind", "contact_law", "contact_limit", "pairs"]
 
 #: Dry overlap at the bodies' own speed, of the diameter, that an automatic step may lead to; wet kisses stay far below.
 AUTO_OVERLAP = 0.025
 
-#: Different bodies up to which every kind of pair is told apart.
-MOST_GROUPS = 4
-
 Floats = NDArray[np.float64]
+AnyDesign: TypeAlias = design.Design | design.HertzDesign | design.RepulsiveDesign
 
 
 @dataclass(frozen=True)
@@ -32,80 +35,27 @@ class PairKind:
     ----------
     kind : str
         "sphere-sphere" or "sphere-wall", with the groups where there are several.
-    design : Design
+    design : Design, HertzDesign or RepulsiveDesign
         The numbers, from the one module that computes them.
     """
 
     kind: str
-    design: design.Design
+    design: AnyDesign
 
 
 @dataclass(frozen=True)
-class Kind:
-    """Two spheres, or a sphere and a wall.
+class _Model:
+    """What a model makes of a case: its longest step, its law, its designs."""
 
-    Parameters
-    ----------
-    name : str
-    first : tuple of float, [m], [kg/m^3]
-        Diameter and density.
-    second : tuple of float, optional
-        Of the other sphere; None for a wall.
-    """
-
-    name: str
-    first: tuple[float, float]
-    second: tuple[float, float] | None = None
-
-    @property
-    def reduced_mass(self) -> float:
-        """The body's own mass against a wall [kg]."""
-        own = float(design.sphere_mass(*self.first))
-        return own if self.second is None else float(design.reduced_mass(own, design.sphere_mass(*self.second)))
-
-    @property
-    def diameter(self) -> float:
-        """The smaller one [m]."""
-        return self.first[0] if self.second is None else min(self.first[0], self.second[0])
+    limit: Callable[[Case, list[Kind], float, float], float]
+    """Kinds of pairs, impact speed in the worst case, spacing of the grid."""
+    law: Callable[[Case, float, float, float], ContactLaw]
+    """Time step, impact speed, spacing."""
+    designs: Callable[[Case, list[Kind], float, float, float], Sequence[AnyDesign]]
+    """Kinds of pairs, time step, impact speed, spacing."""
 
 
-def kinds_of_pairs(case: Case) -> list[Kind]:
-    """List every kind of pair; of many different bodies only the lightest's and the heaviest's, between which all lie.
-
-    Parameters
-    ----------
-    case : Case
-
-    Returns
-    -------
-    list of Kind
-        Empty without bodies, and where a lone body has no wall to meet.
-    """
-    bodies = case.expanded_bodies()
-    if not len(bodies):
-        return []
-    rows, counts = np.unique(np.stack([bodies.diameter, bodies.density], axis=1), axis=0, return_counts=True)
-    order = np.argsort(design.sphere_mass(rows[:, 0], rows[:, 1]), kind="stable")
-    groups = [(float(rows[n, 0]), float(rows[n, 1])) for n in order]
-    alone = {groups[n] for n, k in enumerate(order) if counts[k] < 2}
-    is_many = len(groups) > MOST_GROUPS
-    if is_many:
-        groups, alone = [groups[0], groups[-1]], set()
-    size = "" if len(groups) == 1 else " ({:.4g} mm, {:.4g} mm)"
-    found: list[Kind] = []
-    for a, one in enumerate(groups):
-        partners = [one] if is_many else groups[a:]
-        found.extend(
-            Kind("sphere-sphere" + size.format(1e3 * one[0], 1e3 * other[0]), one, other)
-            for other in partners
-            if other != one or one not in alone
-        )
-        if any(kind != "periodic" for kind in case.domain.kinds):
-            found.append(Kind("sphere-wall" + (f" ({1e3 * one[0]:.4g} mm)" if size else ""), one))
-    return found
-
-
-def contact_limit(case: Case, kinds: list[Kind], fall: float) -> float:
+def contact_limit(case: Case, kinds: list[Kind], fall: float, h: float) -> float:
     """Longest time step the contacts allow.
 
     Parameters
@@ -114,18 +64,64 @@ def contact_limit(case: Case, kinds: list[Kind], fall: float) -> float:
     kinds : list of Kind
     fall : float, [m/s]
         Impact speed in the worst case.
+    h : float, [m]
+        Mean spacing of the grid.
 
     Returns
     -------
     float, [s]
         inf without pairs, and at rest where the contact time follows the step.
     """
-    if not kinds:
-        return math.inf
+    return _MODELS[case.contact.model].limit(case, kinds, fall, h) if kinds else math.inf
+
+
+def contact_law(case: Case, dt: float, fall: float, h: float) -> ContactLaw:
+    """Make the law of a case's contacts.
+
+    Parameters
+    ----------
+    case : Case
+    dt : float, [s]
+        Time step, of which contacts may be a multiple; not used where the stiffness is given.
+    fall : float, [m/s]
+        Impact speed in the worst case.
+    h : float, [m]
+        Mean spacing of the grid.
+
+    Returns
+    -------
+    ContactLaw
+    """
+    return _MODELS[case.contact.model].law(case, dt, fall, h)
+
+
+def pairs(case: Case, kinds: list[Kind], dt: float, fall: float, h: float) -> list[PairKind]:
+    """Design the contact of each kind of pair.
+
+    Parameters
+    ----------
+    case : Case
+    kinds : list of Kind
+    dt : float, [s]
+        Time step.
+    fall : float, [m/s]
+        Impact speed in the worst case; 0 where none is known.
+    h : float, [m]
+        Mean spacing of the grid.
+
+    Returns
+    -------
+    list of PairKind
+    """
+    designs = _MODELS[case.contact.model].designs(case, kinds, dt, fall, h) if kinds else []
+    return [PairKind(kind.name, one) for kind, one in zip(kinds, designs, strict=True)]
+
+
+def _soft_sphere_limit(case: Case, kinds: list[Kind], fall: float) -> float:
     mass, diameter = _columns(kinds)
     contact = case.contact
     if contact.way != "contact-steps":
-        law = contact_law(case, math.nan)
+        law = _soft_sphere_law(case, math.nan)
         return float(law.resolved_time(mass, diameter).min()) / LEAST_CONTACT_STEPS
     if fall == 0.0:
         return math.inf
@@ -135,19 +131,7 @@ def contact_limit(case: Case, kinds: list[Kind], fall: float) -> float:
     return float(longest) / float(contact.contact_steps or LEAST_CONTACT_STEPS)
 
 
-def contact_law(case: Case, dt: float) -> SoftSphere:
-    """Make the law of a case's contacts.
-
-    Parameters
-    ----------
-    case : Case
-    dt : float, [s]
-        Time step, of which contacts may be a multiple; not used where the stiffness is given.
-
-    Returns
-    -------
-    SoftSphere
-    """
+def _soft_sphere_law(case: Case, dt: float) -> SoftSphere:
     c = case.contact
     ratio = c.tangential_ratio
     if ratio is None:
@@ -165,47 +149,23 @@ def contact_law(case: Case, dt: float) -> SoftSphere:
     return SoftSphere.from_stiffness(given["stiffness"], None, given["restitution"], *surface)
 
 
-def pairs(case: Case, kinds: list[Kind], law: SoftSphere, dt: float, fall: float) -> list[PairKind]:
-    """Design the contact of each kind of pair.
-
-    Parameters
-    ----------
-    case : Case
-    kinds : list of Kind
-    law : SoftSphere
-    dt : float, [s]
-        Time step.
-    fall : float, [m/s]
-        Impact speed in the worst case; 0 where none is known.
-
-    Returns
-    -------
-    list of PairKind
-    """
-    if not kinds:
-        return []
+def _soft_sphere_designs(case: Case, kinds: list[Kind], dt: float, fall: float) -> list[design.Design]:
+    law = _soft_sphere_law(case, dt)
     stiffness, damping = law.normal(*_columns(kinds))
-    fluid = {"fluid_density": case.fluid.density, "viscosity": case.fluid.mu} if case.fluid else {}
+    fluid: dict[str, Any] = {"fluid_density": case.fluid.density, "viscosity": case.fluid.mu} if case.fluid else {}
     return [
-        PairKind(
-            kind.name,
-            design.soft_sphere(
-                diameter=kind.first[0],
-                density=kind.first[1],
-                diameter2=kind.second[0] if kind.second else None,
-                density2=kind.second[1] if kind.second else None,
-                wall=kind.second is None,
-                stiffness=float(k_n),
-                damping=float(eta_n),
-                time_step=dt,
-                ending=case.contact.ending,
-                impact_speed=fall or None,
-                overlap_limit=case.contact.overlap_warning,
-                gravity=float(np.linalg.norm(case.domain.gravity)),
-                tangential_ratio=law.tangential_ratio,
-                friction=case.contact.friction,
-                **fluid,
-            ),
+        design.soft_sphere(
+            **kind.named,
+            **fluid,
+            stiffness=float(k_n),
+            damping=float(eta_n),
+            time_step=dt,
+            ending=case.contact.ending,
+            impact_speed=fall or None,
+            overlap_limit=case.contact.overlap_warning,
+            gravity=float(np.linalg.norm(case.domain.gravity)),
+            tangential_ratio=law.tangential_ratio,
+            friction=case.contact.friction,
         )
         for kind, k_n, eta_n in zip(kinds, stiffness, damping, strict=True)
     ]
@@ -213,3 +173,22 @@ def pairs(case: Case, kinds: list[Kind], law: SoftSphere, dt: float, fall: float
 
 def _columns(kinds: list[Kind]) -> tuple[Floats, Floats]:
     return np.array([kind.reduced_mass for kind in kinds]), np.array([kind.diameter for kind in kinds])
+
+
+_MODELS = {
+    "soft-sphere": _Model(
+        lambda case, kinds, fall, h: _soft_sphere_limit(case, kinds, fall),
+        lambda case, dt, fall, h: _soft_sphere_law(case, dt),
+        lambda case, kinds, dt, fall, h: _soft_sphere_designs(case, kinds, dt, fall),
+    ),
+    "hertz": _Model(
+        lambda case, kinds, fall, h: hertz_limit(case, kinds, fall),
+        lambda case, dt, fall, h: hertz_law(case, fall),
+        lambda case, kinds, dt, fall, h: hertz_designs(case, kinds, dt, fall),
+    ),
+    "repulsive": _Model(
+        lambda case, kinds, fall, h: repulsive_limit(case, kinds, h),
+        lambda case, dt, fall, h: repulsive_law(case, h),
+        lambda case, kinds, dt, fall, h: repulsive_designs(case, kinds, dt, fall, h),
+    ),
+}

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from rdpm.config.case import Case
-from rdpm.contacts import SoftSphere
+from rdpm.contacts import ContactLaw
 from rdpm.errors import CaseError
 from rdpm.fluid.timestep import Choice
 from rdpm.grid.grid import choose_cells
 from rdpm.particles.seeding import marker_count
-from rdpm.setup.contact import PairKind, contact_law, contact_limit, kinds_of_pairs, pairs
+from rdpm.setup.contact import PairKind, contact_law, contact_limit, pairs
+from rdpm.setup.kinds import kinds_of_pairs
 from rdpm.setup.plausible import implausible
 from rdpm.setup.rows import PlanRow, sections
 from rdpm.setup.scales import Scales, available_memory, memory_needed, scales
@@ -36,7 +37,7 @@ class Plan:
     ----------
     cells : tuple of int or None
     step : Choice
-    law : SoftSphere
+    law : ContactLaw
     pairs : list of PairKind
     scales : Scales
     memory : int, [bytes]
@@ -50,7 +51,7 @@ class Plan:
     case: Case
     cells: tuple[int, int, int] | None
     step: Choice
-    law: SoftSphere
+    law: ContactLaw
     pairs: list[PairKind]
     scales: Scales
     memory: int
@@ -119,15 +120,15 @@ def plan(case: Case, contact_step: float | None = None) -> Plan:
     found = scales(case)
     cells = _cells(case)
     spacing = _spacing(case, cells) if cells else None
-    kinds = kinds_of_pairs(case)
-    limit = contact_limit(case, kinds, found.fall)
-    step = time_step(case, spacing, found.speed, limit, contact_step)
-    law = contact_law(case, step.dt)
     h = float(np.cbrt(np.prod(spacing))) if spacing else math.inf
+    kinds = kinds_of_pairs(case)
+    limit = contact_limit(case, kinds, found.fall, h)
+    step = time_step(case, spacing, found.speed, limit, contact_step)
+    law = contact_law(case, step.dt, found.fall, h)
     markers = sum(marker_count(0.5 * d, h) for d in case.expanded_bodies().diameter) if cells else 0
     memory = memory_needed(cells, step.is_explicit, markers) if cells else 0
     _check_memory(case, cells, memory)
-    designed = pairs(case, kinds, law, step.dt, found.fall)
+    designed = pairs(case, kinds, step.dt, found.fall, h)
     steps = max(1, math.ceil(case.time.end / step.dt - 1e-6))
     rows = sections(case, cells, spacing, step, designed, found, memory, steps, markers)
     if doubts := implausible(case, cells, steps):

@@ -8,7 +8,10 @@ from typing import Literal
 
 import numpy as np
 
+from rdpm import design
 from rdpm.config.case import Case
+from rdpm.design import Design
+from rdpm.design.report import Row
 from rdpm.fluid.timestep import Choice
 from rdpm.setup.contact import PairKind
 from rdpm.setup.scales import Scales, available_memory
@@ -162,13 +165,26 @@ def _time(cells: tuple[int, int, int] | None, step: Choice, steps: int) -> list[
 
 def _contact(pair: PairKind) -> list[PlanRow]:
     d = pair.design
+    if not isinstance(d, Design):
+        return _listed(d.rows()) + _verdicts(d.verdicts)
     rows = [_row("stiffness k_n", f"{d.stiffness_N_m:.5g} N/m"), _row("damping eta_n", f"{d.damping_N_s_m:.4g} N s/m")]
     if d.restitution is not None:
         rows.append(_row("restitution e_n", f"{d.restitution:.4g}", None, "dry"))
     if d.contact_time_s is not None:
         steps = f", {d.contact_steps:.4g} steps" if d.contact_steps else ""
         rows.append(_row("contact time t_c", f"{d.contact_time_s:.4g} s{steps}"))
-    for verdict in d.verdicts:
+    return rows + _verdicts(d.verdicts)
+
+
+def _listed(known: list[Row]) -> list[PlanRow]:
+    return [
+        _row(name, f"{value:.4g} {unit}".rstrip(), None, note) for name, value, unit, note in known if value is not None
+    ]
+
+
+def _verdicts(verdicts: tuple[design.Verdict, ...]) -> list[PlanRow]:
+    rows = []
+    for verdict in verdicts:
         value = "-" if verdict.value is None else f"{verdict.value:.4g}"
         rows.append(_row(verdict.name, value, _OK[verdict.severity], verdict.text))
     return rows

@@ -20,6 +20,14 @@ struct Window {
     double share() const { return to - from; }
 };
 
+// Fractions between which the surfaces overlap, on the straight line overlap + rate (t - h/2).
+inline Window overlap_window(const Approach& a) {
+    const double first = a.overlap - 0.5 * a.rate * a.h, last = a.overlap + 0.5 * a.rate * a.h;
+    if (first <= 0 && last <= 0) return {0, 0, 0};
+    const double from = first < 0 ? -first / (a.rate * a.h) : 0, to = last < 0 ? -first / (a.rate * a.h) : 1;
+    return {from, to, first + 0.5 * a.rate * a.h * (from + to)};
+}
+
 // Normal impulse of a sub-step, linear in the mean rate of overlap: elastic + damping * rate, on i against
 // the normal. The driver solves it together with lubrication.
 struct NormalImpulse {
@@ -29,7 +37,8 @@ struct NormalImpulse {
 
 // `Parameters` is a row a pair, `History` what a pair in contact remembers beside the driver's ContactState;
 // both are structs of doubles and 64-bit integers, listed in `parameter_fields` and `history_fields`. The
-// driver sets a history to zero when its contact ends.
+// driver sets a history to zero when its contact ends. A law whose force acts before the surfaces touch says
+// so by a member `acts_at_distance`: its window then is no contact, the overlap of the surfaces is.
 template <class Law>
 concept ContactLaw = requires(const typename Law::Parameters& p, const Approach& a, const Window& w) {
     typename Law::History;
@@ -38,14 +47,18 @@ concept ContactLaw = requires(const typename Law::Parameters& p, const Approach&
 };
 
 // A law with a tangential part has two functions more. `slip`: relative velocity of the surfaces in the
-// tangent plane; `inverse_mass` relates it to a tangential impulse; `duration`: time that the force acts;
-// `impulse` is written.
+// tangent plane; `inverse_mass` relates it to a tangential impulse; `impulse` is written.
 template <class Law>
 concept TangentialLaw = ContactLaw<Law> && requires(const typename Law::Parameters& p,
-                                                    typename Law::History& history, const double* n,
-                                                    const double* slip, double x, double* impulse) {
+                                                    typename Law::History& history, const Window& w,
+                                                    const double* n, const double* slip, double x,
+                                                    double* impulse) {
     { Law::has_friction(p) } -> std::same_as<bool>;
-    Law::tangential_impulse(p, history, n, slip, /*inverse_mass*/ x, /*duration*/ x, /*normal*/ x, impulse);
+    Law::tangential_impulse(p, history, w, n, slip, /*inverse_mass*/ x, /*h*/ x, /*normal*/ x, impulse);
 };
+
+// A law whose force acts before the surfaces touch.
+template <class Law>
+concept DistantLaw = ContactLaw<Law> && requires { requires Law::acts_at_distance; };
 
 }  // namespace rdpm::contacts

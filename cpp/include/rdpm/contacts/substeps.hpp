@@ -197,14 +197,17 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
                                               g.lever_j * g.lever_j * p.inverse_moment_j;
             double slip[3];
             slip_velocity(b, p, g, u_mid, slip);
-            Law::tangential_impulse(law, history, g.n, slip, inverse_tangential, h * w.share(),
-                                    normal.contact, tangential);
+            Law::tangential_impulse(law, history, w, g.n, slip, inverse_tangential, h, normal.contact,
+                                    tangential);
             work -= dot(tangential, slip) - 0.5 * inverse_tangential * dot(tangential, tangential);
         }
     }
     apply(b, p, g, normal, tangential);
 
-    record(s, w, t, h, u_mid + (w.from - 0.5) * acceleration, u - change - (1 - w.to) * acceleration);
+    Window touch = w;
+    if constexpr (DistantLaw<Law>) touch = overlap_window({g.overlap, u_mid, h, false});
+    record(s, touch, t, h, u_mid + (touch.from - 0.5) * acceleration,
+           u - change - (1 - touch.to) * acceleration);
     if (s.phase != kTouching) history = typename Law::History{};
     if (s.phase == kApart) return false;
     s.work += work;
