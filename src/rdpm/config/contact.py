@@ -19,7 +19,8 @@ _RESTITUTION = 0.9  # of most hard spheres within 10 %, where only the overlap i
 _TANGENTIAL_RATIO = 2 / 7  # a homogeneous sphere then has equal normal and tangential contact periods
 
 Ending = Literal["zero-force", "zero-overlap"]
-Way = Literal["contact-steps", "stiffness-damping", "stiffness-restitution", "max-overlap"]
+Way = Literal["contact-steps", "stiffness-damping", "stiffness-restitution", "max-overlap", "impulses"]
+ModelName = Literal["soft-sphere", "hard-sphere"]
 
 _WAYS: dict[frozenset[str], Way] = {
     frozenset({"contact_steps", "restitution"}): "contact-steps",
@@ -27,6 +28,15 @@ _WAYS: dict[frozenset[str], Way] = {
     frozenset({"stiffness", "restitution"}): "stiffness-restitution",
     frozenset({"max_overlap", "impact_speed", "restitution"}): "max-overlap",
 }
+#: Keys of some models alone; all others have all models.
+_KEYS: dict[str, tuple[ModelName, ...]] = {
+    **dict.fromkeys(
+        ("contact_steps", "stiffness", "damping", "max_overlap", "impact_speed", "ending", "tangential_ratio",
+         "poisson_ratio", "overlap_warning", "substeps"),
+        ("soft-sphere",),
+    ),
+    **dict.fromkeys(("tangential_restitution", "rest_speed", "most_events"), ("hard-sphere",)),
+}  # fmt: skip
 _PARAMETERS = ("contact_steps", "restitution", "stiffness", "damping", "max_overlap", "impact_speed")
 
 
@@ -36,7 +46,8 @@ class Contact(Model):
     Attributes
     ----------
     model
-        Law of the normal force. A soft sphere is a linear spring and dashpot.
+        How bodies collide. A soft sphere is a linear spring and dashpot; a hard sphere rebounds at once, by an impulse,
+        without overlap. Keys that belong to the other model are refused.
     contact_steps
         Duration of every contact in fluid steps; with `restitution`.
     restitution
@@ -68,14 +79,18 @@ class Contact(Model):
         Overlap over the smaller diameter at which a run stops.
     substeps
         Contact steps in a fluid step.
+    tangential_restitution
+        Of a hard sphere's contact that sticks: tangential speed of the surfaces after over before.
+    rest_speed
+        Normal relative speed below which hard spheres do not rebound: the pair stays in contact.
+    most_events
+        Collisions of a pair of hard spheres in a step, after which it stays in contact until the step ends.
     """
 
-    model: Annotated[Literal["soft-sphere"], Choice(("soft-sphere",), later=("hertz", "hard-sphere", "repulsive"))] = (
-        "soft-sphere"
-    )
+    model: Annotated[ModelName, Choice(get_args(ModelName), later=("hertz", "repulsive"))] = "soft-sphere"
     contact_steps: Annotated[float | None, Quantity("", ge=4.0, le=1000.0)] = None
     restitution: Annotated[
-        float | None, Quantity("", gt=0.0, le=1.0), LeftOut(f"{_RESTITUTION:g} beside `max_overlap`")
+        float | None, Quantity("", gt=0.0, le=1.0), LeftOut(f"{_RESTITUTION:g} beside `max_overlap`, and of hard spheres")
     ] = None
     stiffness: Annotated[float | None, Quantity("N/m", gt=0.0)] = None
     damping: Annotated[float | None, Quantity("N s/m", ge=0.0)] = None
@@ -92,6 +107,11 @@ class Contact(Model):
     overlap_warning: Annotated[float, Quantity("", gt=0.0, le=0.05)] = OVERLAP_WARNING
     overlap_limit: Annotated[float, Quantity("", gt=0.0, le=0.5)] = 0.2
     substeps: Annotated[int | None, Whole(1, 100_000), LeftOut("chosen from the contact time")] = None
+    tangential_restitution: Annotated[float, Quantity("", ge=0.0, le=1.0)] = 0.0
+    rest_speed: Annotated[
+        float | None, Quantity("m/s", ge=0.0), LeftOut("a rebound below it rises by less than 1e-5 diameters")
+    ] = None
+    most_events: Annotated[int, Whole(1, 100_000)] = 100
 
     @model_validator(mode="before")
     @classmethod
@@ -99,6 +119,9 @@ class Contact(Model):
         if not isinstance(raw, dict):
             return raw
         filled = dict(raw)
+        if raw.get("model") == "hard-sphere":
+            filled.setdefault("restitution", _RESTITUTION)
+            return filled
         if raw.get("poisson_ratio") is None and raw.get("tangential_ratio") is None:
             filled["tangential_ratio"] = _TANGENTIAL_RATIO
         if "max_overlap" in raw and "impact_speed" in raw:
@@ -107,6 +130,18 @@ class Contact(Model):
 
     @model_validator(mode="after")
     def _is_one_way(self) -> Contact:
+        for name, models in _KEYS.items():
+            # What equals its default is not told apart from what is left out: a case that was written loads again.
+            if self.model not in models and getattr(self, name) != type(self).model_fields[name].default:
+                raise RuleError(
+                    f'must be left out of a contact of model = "{self.model}"',
+                    f"it belongs to {listed(models)}",
+                    f"Leave it out, or set contact.model = \"{models[0]}\".",
+                    value=getattr(self, name),
+                    at=(name,),
+                )
+        if self.model == "hard-sphere":
+            return self
         if self.tangential_ratio is not None and self.poisson_ratio is not None:
             raise RuleError(
                 'must have at most one of "tangential_ratio" and "poisson_ratio"', "both are given"
@@ -132,6 +167,8 @@ class Contact(Model):
     @property
     def way(self) -> Way:
         """Which parameters are given; the others follow from them for each pair of bodies."""
+        if self.model == "hard-sphere":
+            return "impulses"
         return _WAYS[frozenset(name for name in _PARAMETERS if getattr(self, name) is not None)]
 
 

@@ -15,6 +15,7 @@ from rdpm.design.dimensionless import (
     terminal_velocity,
     wet_restitution,
 )
+from rdpm.design.hard_sphere import FiniteContact, finite_contact_error
 from rdpm.design.hertz import (
     effective_modulus,
     hertz_contact_time,
@@ -54,6 +55,7 @@ soft_sphere = front_door.soft_sphere
 
 __all__ = [
     "Design",
+    "FiniteContact",
     "Verdict",
     "achieved_restitution",
     "added_mass",
@@ -64,6 +66,7 @@ __all__ = [
     "damping_ratio",
     "dimensionless_contact_time",
     "effective_modulus",
+    "finite_contact_error",
     "hertz_contact_time",
     "hertz_overlap",
     "impact_speed_for_overlap",

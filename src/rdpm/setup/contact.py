@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from rdpm import design
 from rdpm.config.case import Case
-from rdpm.contacts import SoftSphere
+from rdpm.contacts import ContactLaw, SoftSphere
 from rdpm.design.verdicts import LEAST_CONTACT_STEPS
+from rdpm.setup.hard_sphere import hard_sphere
 
 __all__ = ["AUTO_OVERLAP", "MOST_GROUPS", "Kind", "PairKind", "contact_law", "contact_limit", "kinds_of_pairs", "pairs"]
 
@@ -120,12 +121,12 @@ def contact_limit(case: Case, kinds: list[Kind], fall: float) -> float:
     float, [s]
         inf without pairs, and at rest where the contact time follows the step.
     """
-    if not kinds:
+    if not kinds or case.contact.model == "hard-sphere":
         return math.inf
     mass, diameter = _columns(kinds)
     contact = case.contact
     if contact.way != "contact-steps":
-        law = contact_law(case, math.nan)
+        law = _soft_sphere(case, math.nan)
         return float(law.resolved_time(mass, diameter).min()) / LEAST_CONTACT_STEPS
     if fall == 0.0:
         return math.inf
@@ -135,7 +136,7 @@ def contact_limit(case: Case, kinds: list[Kind], fall: float) -> float:
     return float(longest) / float(contact.contact_steps or LEAST_CONTACT_STEPS)
 
 
-def contact_law(case: Case, dt: float) -> SoftSphere:
+def contact_law(case: Case, dt: float) -> ContactLaw:
     """Make the law of a case's contacts.
 
     Parameters
@@ -146,8 +147,12 @@ def contact_law(case: Case, dt: float) -> SoftSphere:
 
     Returns
     -------
-    SoftSphere
+    ContactLaw
     """
+    return hard_sphere(case) if case.contact.model == "hard-sphere" else _soft_sphere(case, dt)
+
+
+def _soft_sphere(case: Case, dt: float) -> SoftSphere:
     c = case.contact
     ratio = c.tangential_ratio
     if ratio is None:
@@ -165,14 +170,14 @@ def contact_law(case: Case, dt: float) -> SoftSphere:
     return SoftSphere.from_stiffness(given["stiffness"], None, given["restitution"], *surface)
 
 
-def pairs(case: Case, kinds: list[Kind], law: SoftSphere, dt: float, fall: float) -> list[PairKind]:
+def pairs(case: Case, kinds: list[Kind], law: ContactLaw, dt: float, fall: float) -> list[PairKind]:
     """Design the contact of each kind of pair.
 
     Parameters
     ----------
     case : Case
     kinds : list of Kind
-    law : SoftSphere
+    law : ContactLaw
     dt : float, [s]
         Time step.
     fall : float, [m/s]
@@ -181,8 +186,9 @@ def pairs(case: Case, kinds: list[Kind], law: SoftSphere, dt: float, fall: float
     Returns
     -------
     list of PairKind
+        Empty for hard spheres: nothing of their contact is designed.
     """
-    if not kinds:
+    if not kinds or not isinstance(law, SoftSphere):
         return []
     stiffness, damping = law.normal(*_columns(kinds))
     fluid = {"fluid_density": case.fluid.density, "viscosity": case.fluid.mu} if case.fluid else {}

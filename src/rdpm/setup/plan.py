@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from rdpm.config.case import Case
-from rdpm.contacts import SoftSphere
+from rdpm.contacts import ContactLaw
 from rdpm.errors import CaseError
 from rdpm.fluid.timestep import Choice
 from rdpm.grid.grid import choose_cells
 from rdpm.particles.seeding import marker_count
 from rdpm.setup.contact import PairKind, contact_law, contact_limit, kinds_of_pairs, pairs
+from rdpm.setup.hard_sphere import hard_sphere_rows
 from rdpm.setup.plausible import implausible
 from rdpm.setup.rows import PlanRow, sections
 from rdpm.setup.scales import Scales, available_memory, memory_needed, scales
@@ -36,7 +37,7 @@ class Plan:
     ----------
     cells : tuple of int or None
     step : Choice
-    law : SoftSphere
+    law : ContactLaw
     pairs : list of PairKind
     scales : Scales
     memory : int, [bytes]
@@ -50,7 +51,7 @@ class Plan:
     case: Case
     cells: tuple[int, int, int] | None
     step: Choice
-    law: SoftSphere
+    law: ContactLaw
     pairs: list[PairKind]
     scales: Scales
     memory: int
@@ -130,6 +131,8 @@ def plan(case: Case, contact_step: float | None = None) -> Plan:
     designed = pairs(case, kinds, law, step.dt, found.fall)
     steps = max(1, math.ceil(case.time.end / step.dt - 1e-6))
     rows = sections(case, cells, spacing, step, designed, found, memory, steps, markers)
+    if case.contact.model == "hard-sphere" and kinds:
+        rows.append(("Contact, hard spheres", hard_sphere_rows(case, step.dt, found.fall)))
     if doubts := implausible(case, cells, steps):
         rows.append(("Values hardly meant", doubts))
     return Plan(case, cells, step, law, designed, found, memory, steps, rows)
