@@ -7,8 +7,10 @@
 #include <string>
 #include <tuple>
 #include <type_traits>
+#include <vector>
 
 #include "check.hpp"
+#include "rdpm/contacts/events.hpp"
 #include "rdpm/contacts/hertz.hpp"
 #include "rdpm/contacts/motion.hpp"
 #include "rdpm/contacts/neighbours.hpp"
@@ -186,6 +188,136 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
     return {p.next, p.finished, p.failed, p.min_gap, p.max_overlap};
 }
 
+Facts hard_sphere_layouts() {
+    nb::dict result;
+    result["parameters"] = layout_dict(
+        contacts::layout_of<contacts::HardSphere::Parameters>(contacts::HardSphere::parameter_fields));
+    result["history"] =
+        layout_dict(contacts::layout_of<contacts::HardSphere::History>(contacts::HardSphere::history_fields));
+    return nb::borrow<Facts>(result);
+}
+
+contacts::BodyArrays body_arrays(const InOut<double>& position, const InOut<double>& velocity,
+                                 const InOut<double>& angular_velocity, const InOut<double>& rotation,
+                                 const Reals& acceleration, const Reals& angular_acceleration,
+                                 const Reals& inverse_mass, const Reals& inverse_moment, const Reals& radius,
+                                 const InOut<double>& impulse, const InOut<double>& angular_impulse,
+                                 const InOut<double>& contact_impulse, std::int64_t n) {
+    return {position.checked("position", {n, 3}),
+            velocity.checked("velocity", {n, 3}),
+            angular_velocity.checked("angular_velocity", {n, 3}),
+            rotation.checked("rotation", {n, 3}),
+            acceleration.checked("acceleration", {n, 3}),
+            angular_acceleration.checked("angular_acceleration", {n, 3}),
+            inverse_mass.checked("inverse_mass", {n}),
+            inverse_moment.checked("inverse_moment", {n}),
+            radius.checked("radius", {n}),
+            impulse.checked("impulse", {n, 3}),
+            angular_impulse.checked("angular_impulse", {n, 3}),
+            contact_impulse.checked("contact_impulse", {n, 3})};
+}
+
+// Pairs of each body, in their order.
+struct Incidence {
+    std::vector<std::int32_t> first, pairs;
+
+    Incidence(const std::int32_t* ids, std::int64_t m, std::int64_t n)
+        : first(static_cast<std::size_t>(n) + 1), pairs(static_cast<std::size_t>(2 * m)) {
+        const auto bodies = [&](std::int64_t k, auto&& visit) {
+            for (int side = 0; side < 2; ++side)
+                if (ids[2 * k + side] >= 0) visit(static_cast<std::size_t>(ids[2 * k + side]));
+        };
+        for (std::int64_t k = 0; k < m; ++k) bodies(k, [&](std::size_t b) { ++first[b + 1]; });
+        for (std::size_t b = 1; b < first.size(); ++b) first[b] += first[b - 1];
+        std::vector<std::int32_t> at(first.begin(), first.end() - 1);
+        for (std::int64_t k = 0; k < m; ++k)
+            bodies(k, [&](std::size_t b) {
+                pairs[static_cast<std::size_t>(at[b]++)] = static_cast<std::int32_t>(k);
+            });
+    }
+};
+
+std::tuple<double, std::int64_t, std::int64_t, std::int64_t, std::int64_t> run_events(
+    const Reals& box, const InOut<double>& position, const InOut<double>& velocity,
+    const InOut<double>& angular_velocity, const InOut<double>& rotation, const Reals& acceleration,
+    const Reals& angular_acceleration, const Reals& inverse_mass, const Reals& inverse_moment,
+    const Reals& radius, const InOut<double>& impulse, const InOut<double>& angular_impulse,
+    const InOut<double>& contact_impulse, const In<std::int32_t>& active, const In<std::int32_t>& pairs,
+    const ConstBytes& parameters, const ConstBytes& lubrication, const Bytes& state, const Bytes& history,
+    const Bytes& finished, const InOut<std::int64_t>& events, double start, double length, double rest_speed,
+    double quiet, std::int64_t most_events, bool is_new) {
+    const auto n = position.rows("position", {-1, 3});
+    const auto m = pairs.rows("pairs", {-1, 2});
+    const auto actives = active.rows("active", {-1});
+    const bool is_wet = lubrication.rows("lubrication", {-1, sizeof(contacts::LubricationRow)}) > 0;
+    const std::int32_t* ids = checked_ids(pairs, "pairs", {m, 2}, 2 * m, n, true);
+    const contacts::PairArrays rows_of_pairs{
+        ids,
+        checked_rows<contacts::HardSphere::Parameters>(parameters, "parameters", m),
+        is_wet ? checked_rows<contacts::LubricationRow>(lubrication, "lubrication", m) : nullptr,
+        checked_rows<contacts::ContactState>(state, "state", m),
+        checked_rows<contacts::HardSphere::History>(history, "history", m),
+        m};
+    const contacts::BodyArrays bodies =
+        body_arrays(position, velocity, angular_velocity, rotation, acceleration, angular_acceleration,
+                    inverse_mass, inverse_moment, radius, impulse, angular_impulse, contact_impulse, n);
+    const std::int32_t* moved = checked_ids(active, "active", {-1}, actives, n, false);
+    auto* done = checked_rows<contacts::Finished>(finished, "finished", -1);
+    const auto capacity = finished.rows("finished", {-1, sizeof(contacts::Finished)});
+    std::int64_t* counts = events.checked("events", {m});
+    rdpm::require(capacity > m + 2, "finished: needs three rows more than there are pairs");
+    const contacts::Box b = make_box(box);
+    nb::gil_scoped_release unlocked;
+    const Incidence incidence(ids, m, n);
+    const auto size = static_cast<std::size_t>(m), count = static_cast<std::size_t>(n);
+    std::vector<contacts::BodyWork> body_work(count);
+    std::vector<contacts::PairWork> pair_work(size);
+    std::vector<double> due(size);
+    std::vector<std::int32_t> tree(static_cast<std::size_t>(2 * contacts::Schedule::leaves(m)));
+    std::vector<std::int32_t> cluster(size), cluster_bodies(count);
+    std::vector<std::uint8_t> is_marked(size), is_body_marked(count);
+    const contacts::EventTask task{bodies,
+                                   b,
+                                   moved,
+                                   actives,
+                                   rows_of_pairs,
+                                   done,
+                                   capacity,
+                                   incidence.first.data(),
+                                   incidence.pairs.data(),
+                                   body_work.data(),
+                                   pair_work.data(),
+                                   due.data(),
+                                   tree.data(),
+                                   cluster.data(),
+                                   cluster_bodies.data(),
+                                   is_marked.data(),
+                                   is_body_marked.data(),
+                                   counts,
+                                   start,
+                                   length,
+                                   rest_speed,
+                                   quiet,
+                                   most_events,
+                                   is_new};
+    const contacts::Events e = contacts::EventLoop(task).run();
+    return {e.reached, e.finished, e.collisions, e.rested, e.capped};
+}
+
+std::tuple<double, double, std::int64_t> separate(const Reals& box, const InOut<double>& position,
+                                                  const Reals& inverse_mass, const Reals& radius,
+                                                  const In<std::int32_t>& pairs) {
+    const auto n = position.rows("position", {-1, 3});
+    const auto m = pairs.rows("pairs", {-1, 2});
+    double* x = position.checked("position", {n, 3});
+    const double *mass = inverse_mass.checked("inverse_mass", {n}), *a = radius.checked("radius", {n});
+    const std::int32_t* ids = checked_ids(pairs, "pairs", {m, 2}, 2 * m, n, true);
+    const contacts::Box b = make_box(box);
+    nb::gil_scoped_release unlocked;
+    const contacts::Gaps gaps = contacts::separate(x, mass, a, b, ids, m);
+    return {gaps.smallest, gaps.largest_overlap, gaps.deepest};
+}
+
 void end_step(const Reals& box, const InOut<double>& position, const InOut<double>& velocity,
               const InOut<double>& angular_velocity, const InOut<double>& orientation,
               const InOut<std::int64_t>& crossings, const InOut<double>& rotation, const Reals& force,
@@ -243,6 +375,17 @@ void bind_contacts(nb::module_& module) {
                nb::arg("contact_impulse"), nb::arg("active"), nb::arg("pairs"), nb::arg("parameters"),
                nb::arg("lubrication"), nb::arg("state"), nb::arg("history"), nb::arg("finished"),
                nb::arg("time"), nb::arg("h"), nb::arg("overlap_limit"), nb::arg("first"), nb::arg("last"));
+    module.def("hard_sphere_layouts", &hard_sphere_layouts);
+    module.def("run_events", &run_events, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
+               nb::arg("angular_velocity"), nb::arg("rotation"), nb::arg("acceleration"),
+               nb::arg("angular_acceleration"), nb::arg("inverse_mass"), nb::arg("inverse_moment"),
+               nb::arg("radius"), nb::arg("impulse"), nb::arg("angular_impulse"), nb::arg("contact_impulse"),
+               nb::arg("active"), nb::arg("pairs"), nb::arg("parameters"), nb::arg("lubrication"),
+               nb::arg("state"), nb::arg("history"), nb::arg("finished"), nb::arg("events"), nb::arg("start"),
+               nb::arg("length"), nb::arg("rest_speed"), nb::arg("quiet"), nb::arg("most_events"),
+               nb::arg("is_new"));
+    module.def("separate", &separate, nb::arg("box"), nb::arg("position"), nb::arg("inverse_mass"),
+               nb::arg("radius"), nb::arg("pairs"));
     module.def("end_step", &end_step, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
                nb::arg("angular_velocity"), nb::arg("orientation"), nb::arg("crossings"), nb::arg("rotation"),
                nb::arg("force"), nb::arg("torque"), nb::arg("inverse_mass"), nb::arg("inverse_moment"),

@@ -135,6 +135,14 @@ class Case(Model):
                 value="adaptive",
                 at=("time", "step"),
             )
+        if self.time.step == "auto" and self.contact.way == "impulses":
+            raise RuleError(
+                "must be a time in a case without [fluid]",
+                "collisions of hard spheres set no step",
+                'Give time.step, such as "1 ms".',
+                value="auto",
+                at=("time", "step"),
+            )
         if self.time.step == "auto" and self.contact.way == "contact-steps":
             raise RuleError(
                 "must be a time in a case without [fluid]",

@@ -19,22 +19,28 @@ _RESTITUTION = 0.9  # of most hard spheres within 10 %, where only the overlap i
 _TANGENTIAL_RATIO = 2 / 7  # a homogeneous sphere then has equal normal and tangential contact periods
 
 Ending = Literal["zero-force", "zero-overlap"]
-Name = Literal["soft-sphere", "hertz", "repulsive"]
-Way = Literal["contact-steps", "stiffness-damping", "stiffness-restitution", "max-overlap", "material", "repulsion"]
+Name = Literal["soft-sphere", "hertz", "hard-sphere", "repulsive"]
+Way = Literal[
+    "contact-steps", "stiffness-damping", "stiffness-restitution", "max-overlap", "material", "impulses", "repulsion"
+]
 
 # Models that a key belongs to; those left out here belong to all.
 _MODELS_OF: dict[str, tuple[Name, ...]] = {
     "contact_steps": ("soft-sphere",),
-    "restitution": ("soft-sphere", "hertz"),
+    "restitution": ("soft-sphere", "hertz", "hard-sphere"),
     "stiffness": ("soft-sphere",),
     "damping": ("soft-sphere",),
     "max_overlap": ("soft-sphere",),
     "impact_speed": ("soft-sphere", "hertz"),
     "ending": ("soft-sphere", "hertz"),
-    "friction": ("soft-sphere", "hertz"),
+    "friction": ("soft-sphere", "hertz", "hard-sphere"),
     "tangential_ratio": ("soft-sphere",),
     "poisson_ratio": ("soft-sphere", "hertz"),
     "youngs_modulus": ("hertz",),
+    "substeps": ("soft-sphere", "hertz", "repulsive"),
+    "tangential_restitution": ("hard-sphere",),
+    "rest_speed": ("hard-sphere",),
+    "most_events": ("hard-sphere",),
     "repulsion_range": ("repulsive",),
     "repulsion_stiffness": ("repulsive",),
 }
@@ -49,7 +55,7 @@ _NEEDED: dict[Name, tuple[tuple[str, str, str], ...]] = {
         ("repulsion_stiffness", "it is the force at touch", "such as what rdpm design --model repulsive gives"),
     ),
 }
-_OTHER_WAYS: dict[Name, Way] = {"hertz": "material", "repulsive": "repulsion"}
+_OTHER_WAYS: dict[Name, Way] = {"hertz": "material", "hard-sphere": "impulses", "repulsive": "repulsion"}
 
 _WAYS: dict[frozenset[str], Way] = {
     frozenset({"contact_steps", "restitution"}): "contact-steps",
@@ -67,7 +73,8 @@ class Contact(Model):
     ----------
     model
         How surfaces act on each other, bodies and walls alike. `soft-sphere`: a linear spring and dashpot; `hertz`:
-        elastic solids, damped; `repulsive`: a short-range force that keeps surfaces apart, without friction.
+        elastic solids, damped; `hard-sphere`: an impulse at the touch, without overlap; `repulsive`: a short-range force
+        that keeps surfaces apart, without friction.
     contact_steps
         Duration of every contact in fluid steps; with `restitution`.
     restitution
@@ -106,12 +113,20 @@ class Contact(Model):
         Overlap over the smaller diameter at which a run stops.
     substeps
         Contact steps in a fluid step.
+    tangential_restitution
+        Of a hard sphere's contact that sticks: tangential speed of the surfaces after over before.
+    rest_speed
+        Normal relative speed below which hard spheres do not rebound: the pair stays in contact.
+    most_events
+        Collisions of a pair of hard spheres in a step, after which it stays in contact until the step ends.
     """
 
-    model: Annotated[Name, Choice(get_args(Name), later=("hard-sphere",))] = "soft-sphere"
+    model: Annotated[Name, Choice(get_args(Name))] = "soft-sphere"
     contact_steps: Annotated[float | None, Quantity("", ge=4.0, le=1000.0)] = None
     restitution: Annotated[
-        float | None, Quantity("", gt=0.0, le=1.0), LeftOut(f"{_RESTITUTION:g} beside `max_overlap`")
+        float | None,
+        Quantity("", gt=0.0, le=1.0),
+        LeftOut(f"{_RESTITUTION:g} beside `max_overlap`, and of hard spheres"),
     ] = None
     stiffness: Annotated[float | None, Quantity("N/m", gt=0.0)] = None
     damping: Annotated[float | None, Quantity("N s/m", ge=0.0)] = None
@@ -133,6 +148,11 @@ class Contact(Model):
     overlap_warning: Annotated[float, Quantity("", gt=0.0, le=0.05)] = OVERLAP_WARNING
     overlap_limit: Annotated[float, Quantity("", gt=0.0, le=0.5)] = 0.2
     substeps: Annotated[int | None, Whole(1, 100_000), LeftOut("chosen from the contact time")] = None
+    tangential_restitution: Annotated[float, Quantity("", ge=0.0, le=1.0)] = 0.0
+    rest_speed: Annotated[
+        float | None, Quantity("m/s", ge=0.0), LeftOut("a rebound below it rises by less than 1e-5 diameters")
+    ] = None
+    most_events: Annotated[int, Whole(1, 100_000)] = 100
 
     @model_validator(mode="before")
     @classmethod
@@ -140,6 +160,8 @@ class Contact(Model):
         if not isinstance(raw, dict):
             return raw
         filled = dict(raw)
+        if raw.get("model") == "hard-sphere":
+            filled.setdefault("restitution", _RESTITUTION)
         if raw.get("model", "soft-sphere") != "soft-sphere":
             return filled
         if raw.get("poisson_ratio") is None and raw.get("tangential_ratio") is None:

@@ -1,12 +1,13 @@
 """Contacts: bodies that touch bodies and walls, resolved in sub-steps of the time step.
 
 Start with ``law.py`` (what a contact law is), ``soft_sphere.py`` (the linear spring-dashpot), ``substeps.py`` (the
-motion over one time step) and ``contacts.py`` (what holds them together).
+motion over one time step), ``hard_sphere.py`` (collisions as impulses) and ``contacts.py`` (what holds them together).
 """
 
 from rdpm.contacts.contacts import Contacts
 from rdpm.contacts.driver import ContactStep
 from rdpm.contacts.episodes import EPISODE
+from rdpm.contacts.hard_sphere import EventDriver, HardSphere
 from rdpm.contacts.hertz import Hertz
 from rdpm.contacts.law import ContactLaw
 from rdpm.contacts.lubrication import Lubrication
@@ -22,6 +23,8 @@ __all__ = [
     "ContactLaw",
     "ContactStep",
     "Contacts",
+    "EventDriver",
+    "HardSphere",
     "Hertz",
     "Lubrication",
     "Repulsive",

@@ -41,6 +41,8 @@ class ContactStep:
         Pairs that were resolved, and those still in contact at the end.
     substeps : int
         0 where every body flew freely.
+    collisions, rested, capped : int
+        Of hard spheres: rebounds, contacts that came to rest, and those of them that the most events of a pair ended.
     """
 
     impulse: Floats
@@ -52,6 +54,9 @@ class ContactStep:
     pairs: int = 0
     touching: int = 0
     substeps: int = 0
+    collisions: int = 0
+    rested: int = 0
+    capped: int = 0
 
 
 @dataclass

@@ -83,9 +83,15 @@ class SubstepDriver:
                 raise _overlap_error(task, failed, task.time + at * h)
 
 
+def pair_names(ids: NDArray[np.int32]) -> tuple[int, str]:
+    """The first of a pair, and the second in words."""
+    i, j = ids.tolist()
+    return i, f"the face {FACES[-1 - j]}" if j < 0 else f"body {j}"
+
+
 def _overlap_error(task: ContactTask, pair: int, time: float) -> OverlapError:
-    (i, j), state = task.table.ids[pair].tolist(), task.table.state[pair]
-    other = f"the face {FACES[-1 - j]}" if j < 0 else f"body {j}"
+    state = task.table.state[pair]
+    i, other = pair_names(task.table.ids[pair])
     fraction = state["overlap"] / task.table.pairs["smaller_diameter"][pair]
     return OverlapError(
         f"overlap of body {i} and {other} at t = {time:.6g} s",

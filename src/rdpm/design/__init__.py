@@ -15,6 +15,7 @@ from rdpm.design.dimensionless import (
     terminal_velocity,
     wet_restitution,
 )
+from rdpm.design.hard_sphere import FiniteContact, finite_contact_error
 from rdpm.design.hertz import (
     effective_modulus,
     hertz_contact_time,
@@ -71,6 +72,7 @@ soft_sphere = front_door.soft_sphere
 
 __all__ = [
     "Design",
+    "FiniteContact",
     "HertzDesign",
     "RepulsiveDesign",
     "Verdict",
@@ -85,6 +87,7 @@ __all__ = [
     "dimensionless_contact_time",
     "effective_modulus",
     "effective_shear_modulus",
+    "finite_contact_error",
     "hertz_contact_time",
     "hertz_damping",
     "hertz_design",

@@ -16,7 +16,7 @@ from rdpm.io.files import replacing
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Bars", "Curve", "Panel", "PairPath", "bar_chart", "chart", "colours", "path_chart", "shrink"]
+__all__ = ["Bars", "Curve", "PairPath", "Panel", "bar_chart", "chart", "colours", "path_chart", "shrink"]
 
 Floats = NDArray[np.float64]
 _FEW = 4   # values up to which colours need no order

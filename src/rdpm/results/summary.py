@@ -100,11 +100,16 @@ class ContactTotals:
     max_overlap_fraction : float, [-]
         Of the smaller diameter.
     total_time_s : float
+    came_to_rest, capped : int
+        Hard spheres: contacts slower than the rest speed, or beyond the most events of a pair in a step; and of these
+        the latter.
     """
 
     count: int = 0
     max_overlap_fraction: float | None = 0.0
     total_time_s: float | None = 0.0
+    came_to_rest: int = 0
+    capped: int = 0
 
 
 @dataclass(frozen=True)

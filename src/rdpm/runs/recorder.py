@@ -57,7 +57,9 @@ class Recorder:
         self._contact_impulse = np.zeros((len(bodies), 3))
         self._since = simulation.time
         self._deepest = 0.0
-        self.episodes: dict[str, Any] = {"count": 0, "max_overlap_fraction": 0.0, "total_time_s": 0.0}
+        self.episodes: dict[str, Any] = {
+            "count": 0, "max_overlap_fraction": 0.0, "total_time_s": 0.0, "came_to_rest": 0, "capped": 0,
+        }  # fmt: skip
         self.max_speed = np.linalg.norm(bodies.velocity, axis=1)
         arrays, facts = resumed or ({}, {})
         with ExitStack() as files:
@@ -99,7 +101,7 @@ class Recorder:
         np.copyto(self.max_speed, arrays["max_speed"])
         self._tables.count, self._fields.count = facts["counts"]
         self._since, self._deepest = facts["since_s"], facts["deepest"]
-        self.episodes = dict(facts["episodes"])
+        self.episodes |= dict(facts["episodes"])
 
     def __enter__(self) -> Recorder:
         return self
@@ -113,6 +115,8 @@ class Recorder:
         if contact is not None and len(simulation.bodies):
             self._contact_impulse += contact.impulse
             self._deepest = max(self._deepest, contact.max_overlap_fraction)
+            self.episodes["came_to_rest"] += contact.rested
+            self.episodes["capped"] += contact.capped
             np.maximum(self.max_speed, np.linalg.norm(simulation.bodies.velocity, axis=1), out=self.max_speed)
         self._take_episodes()
         self._write()

@@ -116,7 +116,7 @@ def _contact(simulation: Simulation) -> ContactDesign:
     restitution = given.restitution if given.restitution is not None or not designs else designs[0][1].restitution
     return ContactDesign(
         model=given.model,
-        ending=given.ending,
+        ending=given.ending if given.model == "soft-sphere" else None,
         contact_time_s=shortest,
         contact_steps=shortest / _contact_step(simulation) if shortest else None,
         restitution=restitution,
@@ -150,5 +150,10 @@ def _warnings(contacts: ContactTotals, plan: Plan) -> tuple[str, ...]:
         warnings.append(
             f"the largest overlap was {100 * overlap:.3g} % of the diameter; the design expected "
             f"{100 * designed:.3g} % at the bodies' own speed: several bodies pressed together, or an impact was faster"
+        )
+    if contacts.capped:
+        warnings.append(
+            f"{contacts.capped} contacts of hard spheres came to rest because a pair met more than "
+            f"contact.most_events = {plan.case.contact.most_events} times in a step: raise it, or contact.rest_speed"
         )
     return tuple(warnings)

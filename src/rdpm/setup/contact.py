@@ -14,6 +14,7 @@ from rdpm import design
 from rdpm.config.case import Case
 from rdpm.contacts import ContactLaw, SoftSphere
 from rdpm.design.verdicts import LEAST_CONTACT_STEPS
+from rdpm.setup.hard_sphere import hard_sphere
 from rdpm.setup.hertz import hertz_designs, hertz_law, hertz_limit
 from rdpm.setup.kinds import Kind
 from rdpm.setup.repulsive import repulsive_designs, repulsive_law, repulsive_limit
@@ -112,8 +113,11 @@ def pairs(case: Case, kinds: list[Kind], dt: float, fall: float, h: float) -> li
     Returns
     -------
     list of PairKind
+        Empty for hard spheres: nothing of their contact is designed.
     """
     designs = _MODELS[case.contact.model].designs(case, kinds, dt, fall, h) if kinds else []
+    if not designs:
+        return []
     return [PairKind(kind.name, one) for kind, one in zip(kinds, designs, strict=True)]
 
 
@@ -185,6 +189,10 @@ _MODELS = {
         lambda case, kinds, fall, h: hertz_limit(case, kinds, fall),
         lambda case, dt, fall, h: hertz_law(case, fall),
         lambda case, kinds, dt, fall, h: hertz_designs(case, kinds, dt, fall),
+    ),
+    "hard-sphere": _Model(
+        lambda case, kinds, fall, h: math.inf, lambda case, dt, fall, h: hard_sphere(case),
+        lambda case, kinds, dt, fall, h: [],
     ),
     "repulsive": _Model(
         lambda case, kinds, fall, h: repulsive_limit(case, kinds, h),

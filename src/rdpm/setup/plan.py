@@ -17,7 +17,7 @@ from rdpm.particles.seeding import marker_count
 from rdpm.setup.contact import PairKind, contact_law, contact_limit, pairs
 from rdpm.setup.kinds import kinds_of_pairs
 from rdpm.setup.plausible import implausible
-from rdpm.setup.rows import PlanRow, sections
+from rdpm.setup.rows import PlanRow, hard_sphere_rows, sections
 from rdpm.setup.scales import Scales, available_memory, memory_needed, scales
 from rdpm.setup.time_step import time_step
 from rdpm.simulation.step_control import StepControl
@@ -131,6 +131,8 @@ def plan(case: Case, contact_step: float | None = None) -> Plan:
     designed = pairs(case, kinds, step.dt, found.fall, h)
     steps = max(1, math.ceil(case.time.end / step.dt - 1e-6))
     rows = sections(case, cells, spacing, step, designed, found, memory, steps, markers)
+    if case.contact.model == "hard-sphere" and kinds:
+        rows.append(("Contact, hard spheres", hard_sphere_rows(case, step.dt, found.fall)))
     if doubts := implausible(case, cells, steps):
         rows.append(("Values hardly meant", doubts))
     return Plan(case, cells, step, law, designed, found, memory, steps, rows)

@@ -11,7 +11,7 @@ import numpy as np
 from rdpm import design
 from rdpm.config.case import Case
 from rdpm.results.run import Run
-from rdpm.setup.contact import Kind, kinds_of_pairs
+from rdpm.setup.kinds import Kind, kinds_of_pairs
 from rdpm.studies.measures import MEASURES, QUANTITIES
 
 __all__ = ["Probed", "columns", "dry_design", "first_kind", "probed", "work_fraction"]

@@ -16,7 +16,7 @@ from rdpm.config.overrides import apply_overrides
 from rdpm.config.source import case_name, parse_toml, read_source
 from rdpm.errors import CaseError
 from rdpm.setup import plan
-from rdpm.setup.contact import kinds_of_pairs
+from rdpm.setup.kinds import kinds_of_pairs
 from rdpm.studies.cases import changed
 from rdpm.studies.display import Display, span
 from rdpm.studies.local import workers_here
