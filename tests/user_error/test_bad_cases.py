@@ -190,8 +190,22 @@ WRONG = [
     (
         "dkt",
         '"soft-sphere"',
+        '"hard-sphere"',
+        ':24: contact.model = "hard-sphere": is not in this version. Use "soft-sphere" or "hertz" or "repulsive".',
+    ),
+    (
+        "dkt",
+        '"soft-sphere"',
         '"hertz"',
-        ':24: contact.model = "hertz": is not in this version. Use "soft-sphere".',
+        'contact.contact_steps = 8.0: belongs to model = "soft-sphere" (this contact has model = "hertz"). '
+        'Leave it out, or set contact.model = "soft-sphere".',
+    ),
+    (
+        "dkt",
+        '"soft-sphere"',
+        '"soft-sphere"\nyoungs_modulus = "10 MPa"',
+        'contact.youngs_modulus = 10000000.0: belongs to model = "hertz" (this contact has model = "soft-sphere"). '
+        'Leave it out, or set contact.model = "hertz".',
     ),
     (
         "dkt",

@@ -4,7 +4,7 @@
 
 #include "rdpm/contacts/law.hpp"
 #include "rdpm/contacts/layout.hpp"
-#include "rdpm/contacts/tangential.hpp"
+#include "rdpm/contacts/soft_sphere.hpp"
 
 namespace rdpm::contacts {
 
@@ -57,11 +57,13 @@ struct Hertz {
                                    const double* slip, double inverse_mass, double h, double normal,
                                    double* impulse) {
         const double root = std::sqrt(w.overlap);
-        const TangentialSpring spring{p.k_t * root, p.eta_t * std::sqrt(root), p.mu};
+        const SoftSphere::Parameters spring{0, 0, p.k_t * root, p.eta_t * std::sqrt(root), p.mu, 0};
+        SoftSphere::History kept{{history.xi[0], history.xi[1], history.xi[2]}};
         if (spring.k_t > history.stiffness)
-            for (double& x : history.xi) x *= history.stiffness / spring.k_t;
+            for (double& x : kept.xi) x *= history.stiffness / spring.k_t;
+        SoftSphere::tangential_impulse(spring, kept, w, n, slip, inverse_mass, h, normal, impulse);
+        for (int d = 0; d < 3; ++d) history.xi[d] = kept.xi[d];
         history.stiffness = spring.k_t;
-        spring.impulse(history.xi, n, slip, inverse_mass, h * w.share(), normal, impulse);
     }
 };
 

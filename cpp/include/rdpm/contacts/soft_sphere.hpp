@@ -4,7 +4,6 @@
 
 #include "rdpm/contacts/law.hpp"
 #include "rdpm/contacts/layout.hpp"
-#include "rdpm/contacts/tangential.hpp"
 
 namespace rdpm::contacts {
 
@@ -50,11 +49,40 @@ struct SoftSphere {
 
     static bool has_friction(const Parameters& p) { return p.mu > 0; }
 
+    // Tangential spring, dashpot and Coulomb limit; the spring is carried to the end of the sub-step.
     static void tangential_impulse(const Parameters& p, History& history, const Window& w, const double* n,
                                    const double* slip, double inverse_mass, double h, double normal,
                                    double* impulse) {
-        const TangentialSpring spring{p.k_t, p.eta_t, p.mu};
-        spring.impulse(history.xi, n, slip, inverse_mass, h * w.share(), normal, impulse);
+        const double duration = h * w.share();
+        double* xi = history.xi;
+        // The spring turns with the pair: back into the tangent plane, its length kept.
+        const double along = dot(xi, n), length = std::sqrt(dot(xi, xi));
+        double plane[3], mid[3];
+        for (int d = 0; d < 3; ++d) plane[d] = xi[d] - along * n[d];
+        const double flat = std::sqrt(dot(plane, plane));
+        const double keep = flat > 0 ? length / flat : 0;
+        for (int d = 0; d < 3; ++d) {
+            mid[d] = keep * plane[d] + 0.5 * duration * slip[d];
+            impulse[d] = duration * (p.k_t * mid[d] + p.eta_t * slip[d]) /
+                         (1 + 0.5 * duration * p.eta_t * inverse_mass);
+        }
+        const double stick = std::sqrt(dot(impulse, impulse)), limit = p.mu * std::max(normal, 0.0);
+        if (stick <= limit) {
+            for (int d = 0; d < 3; ++d)
+                xi[d] = mid[d] + 0.5 * duration * (slip[d] - impulse[d] * inverse_mass);
+            return;
+        }
+        // Sliding: the spring keeps what the limit leaves it, and never more than it had.
+        double speed = 0;
+        for (int d = 0; d < 3; ++d) {
+            const double unit = impulse[d] / stick;
+            impulse[d] = limit * unit;
+            speed += unit * (slip[d] - impulse[d] * inverse_mass);
+            xi[d] = unit;
+        }
+        const double room = p.k_t > 0 ? std::max(0.0, limit / duration - p.eta_t * speed) / p.k_t : 0;
+        const double kept = std::min(room, std::sqrt(dot(mid, mid)));
+        for (int d = 0; d < 3; ++d) xi[d] *= kept;
     }
 };
 
