@@ -93,11 +93,11 @@ def test_an_impact_sticks_or_slides_after_walton(e, mu, beta):
     """Soda-lime glass and cellulose acetate (Foerster et al. 1994): Psi_2 = -beta Psi_1, or Psi_1 - 7/2 mu (1 + e)."""
     for psi in (0.05, 0.2, 0.5, 0.8, 1.2, 2.0, 4.0):
         normal, sideways = 0.3, 0.3 * psi
-        pair = spheres([0.2, 0.2, 0.2], [0.2, 0.2, 0.2 + D + 1e-5],
+        pair = spheres([0.2, 0.2, 0.2], [0.2, 0.2, 0.2 + D],
                        velocity=[[0.5 * sideways, 0, 0.5 * normal], [-0.5 * sideways, 0, -0.5 * normal]])  # fmt: skip
         run(Contacts(pair, ENDLESS, HardSphere(e, mu, beta)), 1e-3, 1e-3)
         lever = 0.5 * D * (pair.angular_velocity[0, 1] + pair.angular_velocity[1, 1])
-        after = (pair.velocity[0, 0] - pair.velocity[1, 0] - lever) / normal
+        after = (pair.velocity[0, 0] - pair.velocity[1, 0] + lever) / normal
         assert after == pytest.approx(max(-beta * psi, psi - 3.5 * mu * (1.0 + e)), abs=1e-12)
         assert pair.velocity[1, 2] - pair.velocity[0, 2] == pytest.approx(e * normal, rel=1e-12)
 
@@ -118,7 +118,7 @@ def test_three_spheres_meet_in_the_order_of_time():
     one = spheres(*places, velocity=velocity)
     contacts = Contacts(one, ENDLESS, HardSphere(e))
     run(contacts, 0.02, 0.02)
-    x, v, h = places.copy(), velocity.copy(), 2e-7
+    x, v, h = places.copy(), velocity.copy(), 2e-6
     met = []
     for _ in range(round(0.02 / h)):
         x += h * v
@@ -133,8 +133,8 @@ def test_three_spheres_meet_in_the_order_of_time():
                     met.append((i, j))
     episodes = contacts.take_episodes()
     assert len(met) >= 4 and list(zip(episodes["i"], episodes["j"], strict=True)) == met
-    np.testing.assert_allclose(one.velocity, v, atol=2e-3)   # of the first order in h: the normal is met late
-    np.testing.assert_allclose(one.position, x, atol=2e-5)
+    np.testing.assert_allclose(one.velocity, v, atol=5e-3)   # of the first order in h: the normal is met late
+    np.testing.assert_allclose(one.position, x, atol=5e-5)
 
 
 def test_momentum_is_kept_energy_never_grows_and_nothing_overlaps():
