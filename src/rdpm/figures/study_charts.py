@@ -188,7 +188,9 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
         if curve.spread is None:
             axes.plot(np.asarray(curve.x), np.asarray(curve.y), **look)
         else:
-            axes.errorbar(np.asarray(curve.x), np.asarray(curve.y), yerr=curve.spread, capsize=3, elinewidth=1.0, **look)
+            axes.errorbar(
+                np.asarray(curve.x), np.asarray(curve.y), yerr=curve.spread, capsize=3, elinewidth=1.0, **look
+            )
     for value, name in panel.limits:
         axes.axhline(value, color=ACCENT, lw=1.0, ls=":", label=name or None)
     axes.set_ylabel(panel.y_label)
@@ -274,7 +276,10 @@ def bar_chart(path: str | Path, rows: Sequence[Bars], title: str, caption: str) 
         axes.set_title(title, loc="left")
         handles: list[Any] = [
             Patch(color=PALETTE[5], label="gap at most 2 % d"), Patch(color=PALETTE[0], label="mechanical contact"),
-            *(Line2D([], [], marker=markers[n % 3], color=PALETTE[1], ls="", label=name) for n, name in enumerate(names)),
+            *(
+                Line2D([], [], marker=markers[n % 3], color=PALETTE[1], ls="", label=name)
+                for n, name in enumerate(names)
+            ),
         ]  # fmt: skip
         figure.legend(handles=handles, loc="outside upper right", ncols=len(handles))
         return save(figure, path, caption)

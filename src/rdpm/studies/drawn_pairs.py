@@ -96,7 +96,8 @@ def draw_relative(results: StudyResults, folder: Path) -> list[Picture]:
     path = chart(
         folder / "relative_position.png", [Panel("height above the other sphere [d]", curves)],
         "horizontal distance of the centres [d]", "The pair from inside: the upper sphere as seen from the lower",
-        f"{sweep.about(runs[0])} The pair starts at the top, touches on the dashed circle and turns along it.", height=4.4,
+        f"{sweep.about(runs[0])} The pair starts at the top, touches on the dashed circle and turns along it.",
+        height=4.4,
     )  # fmt: skip
     return [Picture(path, "Relative position of the spheres: approach, roll along the circle of contact, separation.")]
 

@@ -81,7 +81,8 @@ def draw_restitution(results: StudyResults, folder: Path) -> list[Picture]:
         return []
     x = sweep.values if sweep.key else np.arange(1.0, len(sweep.rows) + 1)
     curves = [
-        Curve("designed, dry", x, wanted, PALETTE[1], "points"), Curve("achieved, first contact", x, got, PALETTE[0], "both")
+        Curve("designed, dry", x, wanted, PALETTE[1], "points"),
+        Curve("achieved, first contact", x, got, PALETTE[0], "both"),
     ]
     overdamped = int(np.isnan(wanted).sum())
     caption = sweep.about(sweep.runs()[0])
@@ -128,7 +129,8 @@ def draw_wet_restitution(results: StudyResults, folder: Path) -> list[Picture]:
     limits = ((dry, "dry, simulated"),) if dry is not None else ()
     wet_run = sweep.runs()[int(np.flatnonzero(seen)[0])]
     path = chart(
-        folder / "wet_restitution.png", [Panel("restitution [-]", curves, limits=limits)], "Stokes number of the impact [-]",
+        folder / "wet_restitution.png", [Panel("restitution [-]", curves, limits=limits)],
+        "Stokes number of the impact [-]",
         "Rebound from a wall, wet and dry", f"{sweep.about(wet_run)} Viscosity varied; the curve is e exp(-35/St).",
         log_x=True,
     )  # fmt: skip
@@ -142,7 +144,8 @@ def draw_convergence(results: StudyResults, folder: Path) -> list[Picture]:
     for n, quantity in enumerate(("end_height_m", "settling_speed_max_m_s", "end_gap_m")):
         values = sweep.column(quantity)
         error = 100.0 * np.abs(values[1:] / values[0] - 1.0)
-        panels.append(Curve(QUANTITIES[quantity].meaning, dt[1:], np.where(error > 0, error, np.nan), PALETTE[n], "both"))
+        label, seen = QUANTITIES[quantity].meaning, np.where(error > 0, error, np.nan)
+        panels.append(Curve(label, dt[1:], seen, PALETTE[n], "both"))
     base = float(np.nanmax([np.nanmax(np.asarray(curve.y)) for curve in panels]))
     for power, look in ((1, "dashed"), (2, "line")):
         guide = base * (dt[1:] / dt[-1]) ** power

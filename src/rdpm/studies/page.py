@@ -185,7 +185,7 @@ def _verdicts(judged: Judged) -> Block:
 
 
 def _table(part: StudyResults) -> Block:
-    parameters = next((row["parameters"] for row in part.index["rows"] if row["study"] == part.name), {})
+    parameters: dict[str, Any] = next((row["parameters"] for row in part.index["rows"] if row["study"] == part.name), {})
     keys = [key for key in parameters if key in part.table and not key.startswith(("bodies", "time."))]
     keys += ["time.step"] if "time.step" in parameters and "time.step" in part.table else []
     measures = [column for column in SHORT if column in part.table and part.table[column].notna().any()]

@@ -111,9 +111,11 @@ class Sweep:
         contact, parts = run.case.get("contact", {}), []
         if "lubrication" in contact and self.key != "contact.lubrication":
             parts.append("with lubrication" if contact["lubrication"] else "no lubrication")
-        for key in ("stiffness", "damping", "restitution"):
-            if key in contact and len({row.get(f"contact.{key}", contact[key]) for row in self.rows}) == 1:
-                parts.append(value_text(f"contact.{key}", contact[key], formula=False))
+        parts += [
+            value_text(f"contact.{key}", contact[key], formula=False)
+            for key in ("stiffness", "damping", "restitution")
+            if key in contact and len({row.get(f"contact.{key}", contact[key]) for row in self.rows}) == 1
+        ]
         if "ending" in contact:
             parts.append(f"a contact ends at {str(contact['ending']).replace('-', ' ')}")
         return f"{case_text(self.results.title, run.case, run.summary, run.diameter)}; {', '.join(parts)}."
@@ -131,7 +133,7 @@ def sweep_of(results: StudyResults) -> Sweep:
     rows = [{str(key): value for key, value in row.items()} for row in own.to_dict("records")]
     if not rows:
         raise ValueError("no run is done")
-    known = next((item["parameters"] for item in results.index["rows"] if item["study"] == rows[0]["study"]), {})
+    known: dict[str, Any] = next((item["parameters"] for item in results.index["rows"] if item["study"] == rows[0]["study"]), {})
     numeric = [
         key for key in known
         if not key.startswith("bodies") and all(np.isfinite(_float(row.get(key))) for row in rows)
