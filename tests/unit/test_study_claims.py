@@ -304,6 +304,22 @@ def test_what_all_runs_share_is_read_from_their_cases(tmp_path):
     assert found.verdict == "not judged"
 
 
+def test_resolutions_are_not_mixed(tmp_path):
+    study = study_of(tmp_path)
+    fine = [row | {"run": f"fine-{row['run']}", "contact_kisses": 1} for row in study.rows[:2]]
+    for row in fine:
+        (tmp_path / "sweep" / row["run"]).mkdir()
+        (tmp_path / "sweep" / row["run"] / "case.toml").write_text(
+            "[fluid]\nviscosity = 0.113\n[contact]\ndamping = 0.1\nlubrication = false\n"
+        )
+    for rows, cells in ((study.rows, 8.0), (fine, 12.0)):
+        for row in rows:
+            row["resolution.cells_per_diameter"] = cells
+    found = judge_study(CLAIMS["kissing-grows-with-stiffness"], Study(tmp_path, study.rows + fine))
+    assert (found.verdict, found.runs) == ("confirmed", ("soft", "stiff"))
+    assert found.sentence.endswith("This is at 8 cells a diameter. At 12: within the spread.")
+
+
 def test_of_several_repeated_runs_the_widest_spread_counts():
     rows = [
         {"run": run, "spread_of": "" if n == 0 else run[:1], "tumble_start_s": value}
