@@ -3,17 +3,21 @@
 import csv
 import json
 import shutil
+import tomllib
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from rdpm import design
+from rdpm.cases import shipped_names, shipped_text
 from rdpm.cli import main as cli
 from rdpm.config.load import load_case
+from rdpm.config.source import parse_toml
 from rdpm.results.run import load_run
 from rdpm.setup import plan
 from rdpm.studies.tuning.reading import probed, work_fraction
+from rdpm.studies.write import study_to_toml
 
 DROP = """title = "Dropped"  # onto the floor
 [domain]
@@ -114,6 +118,12 @@ def test_the_tuned_case_has_the_chosen_values(drop):
     before = load_case(out.parent / "drop.toml", ["contact.overlap_warning=0.03"])
     assert case.model_copy(update={"time": before.time, "contact": before.contact}) == before
     assert '"20 mm"' in (out / "drop-tuned.toml").read_text()
+
+
+@pytest.mark.parametrize("name", shipped_names())
+def test_an_edited_copy_of_a_shipped_case_is_that_case(name):
+    raw = parse_toml(shipped_text(name), name)
+    assert load_case(tomllib.loads(study_to_toml(raw))) == load_case(name)
 
 
 def test_tables_and_figure(drop):
