@@ -133,7 +133,8 @@ def work_fraction(run: Run) -> float | None:
     impact = 0.5 * reduced * np.nan_to_num(rows["impact_speed_m_s"]) ** 2
     spring = 0.5 * stiffness * (rows["max_overlap_fraction"] * diameter) ** 2
     energy = np.maximum(impact, spring)
-    return float(np.max(rows["work_J"][energy > 0.0] / energy[energy > 0.0], initial=-np.inf))
+    met = energy > 0.0
+    return float(np.max(rows["work_J"][met] / energy[met])) if met.any() else 0.0
 
 
 def first_kind(case: Case, is_wall: bool) -> Kind:

@@ -136,8 +136,9 @@ class Tuning:
         most = _percent(max(row["overlap_fraction"] for row in members))
         chosen = self.chosen
         same = f"agrees within {_percent(self.options.of_outcome)}"
-        if self.spread is not None and math.isfinite(self.spread.half_width):
-            same += f" or the spread of numerics ({self.spread.describe()})"
+        if self.spread is not None:
+            is_known = math.isfinite(self.spread.half_width)
+            same += f"{' or the spread of numerics' if is_known else ''} ({self.spread.describe()})"
         ends = " (all that were tried)" if len(members) == len(self.rows) else ""
         return (
             f"For N_c from {self.window}{ends}, the overlap is at most {most} d (limit {limit} d), no contact makes "

@@ -163,7 +163,7 @@ class _Tuner:
         prepared = prepare(study)
         count = workers_here(prepared.jobs, self.workers)
         with Display(self.quiet) as display:
-            display.note(f"{study.file.title}: about {span(prepared.expected_seconds(count))} at most")
+            display.note(f"{study.file.title}: about {span(prepared.expected_seconds(count))} alone on this machine")
             return run_study(
                 study, self.out / study.name, workers=self.workers, watcher=display, tell=display.note,
                 command=self.command,
