@@ -150,7 +150,7 @@ def test_branch_with_a_changed_contact(stopped, tmp_path):
     case = case_of("periodic cloud", "contact.restitution=0.3", "time.step=0.001", "time.end=0.05")
     branch = new_folder(tmp_path / "branch")
     reporter = StopsAt()
-    summary = run_case(case, branch, start=(folder, times[1] - 1e-4), reporter=reporter)
+    summary = run_case(case, branch, start=(folder, times[1] - 1e-4), within=0.01, reporter=reporter)
     assert summary.status == "done"
     assert summary.steps == np.ceil((0.05 - times[0]) / 0.001 - 1e-6)  # its own, from the older of the two
     assert any(note.startswith("started from") and f"t = {times[0]:.6g} s" in note for note in reporter.notes)
@@ -177,7 +177,7 @@ def test_branch_to_the_other_way_of_diffusion(tmp_path):
     [
         (["bodies[0].diameter=0.011"], None, CheckpointError, "bodies[0].diameter was 0.01 and is 0.011"),
         (["resolution.cells_per_diameter=6"], None, CheckpointError, "resolution.cells_per_diameter was 4 and is 6"),
-        ([], 1e-3, CheckpointError, "--at = 0.001 s: must not be before the first good checkpoint kept (there are"),
+        ([], 1e-3, CheckpointError, "or at most 1e-05 s after it (there are those at 0.0"),
         (["time.end=0.02", "time.step=0.001"], None, CaseError, "time.end = 0.02 s: must be later than the checkpoint"),
     ],
 )
@@ -230,3 +230,17 @@ def test_any_array_survives_the_file(tmp_path):
     for name, values in arrays.items():
         np.testing.assert_array_equal(read[name], values)
         assert (read[name].dtype, read[name].shape) == (values.dtype, values.shape)
+
+
+def test_a_time_without_a_checkpoint_near_it_is_refused_with_the_times_there_are(stopped, tmp_path):
+    _, folder = stopped
+    times = sorted(read_facts(path)["time_s"] for path in (folder / "checkpoints").iterdir())
+    case, branch = case_of("periodic cloud", "time.end=0.05"), new_folder(tmp_path / "branch")
+    with pytest.raises(CheckpointError) as refused:
+        run_case(case, branch, start=(folder, 1.2 * times[1]))
+    listed = ", ".join(f"{time:.6g}" for time in times)
+    assert f"(there are those at {listed} s). Ask for one of these times, allow more" in str(refused.value)
+    assert not any(branch.iterdir())
+    # Within 1 % it is taken as meant.
+    run_case(case, branch, start=(folder, 1.005 * times[1]))
+    assert np.loadtxt(branch / "particles.csv", delimiter=",", skiprows=1)[0, 0] == times[1]

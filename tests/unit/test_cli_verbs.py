@@ -153,7 +153,7 @@ def test_check(solver, capsys):
         (["run", "dktt"], "dktt: there is no such file. Did you mean"),
         (["run", "dkt", "--set", "fluid.density=0"], "--set fluid.density = 0: must be positive."),
         (["run", "dkt", "--set", "fluid.density"], "--set fluid.density: must be key=value."),
-        (["run", "dkt", "--threads", "0"], "--threads = 0: must lie between 1 and 1024."),
+        (["run", "dkt", "--threads", "0"], "--threads = 0: must lie between 1 and "),
         (["run", "dkt", "--threads", "two"], "two"),
         (["run", "dkt", "--out", "full"], "--out full: must be new or empty"),
         (["run", "dkt", "--out", "file"], "--out file: must be a folder"),

@@ -76,7 +76,7 @@ def test_everything_of_a_pair(runs):
     assert all(source.startswith("data:") for source in page.sources)
     shown = re.sub(r"<[^>]+>", " ", re.sub(r"base64,[^\"]+", "", text))
     for words in ("drafting &amp; kissing", "1120 kg/m³ in 962 kg/m³", "46 080 cells", "7.66",
-                  "restitution  0.5  0.08", "0.6 % of a diameter", "k_n  40.1 N/m", "tumbling (45° passed)"):
+                  "restitution  0.5  0.08", "A contact is pressed where", "k_n  40.1 N/m", "tumbling (45° passed)"):
         assert words in shown
     assert not [path for path in runs["pair"].rglob(".*")]   # no temporary file is left
     again = make_report(runs["pair"], video=False)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
+
+from rdpm.cli.source import case_source
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -26,7 +29,8 @@ def check(
     Parameters
     ----------
     case : str
-        A case file, or the name of a shipped case.
+        A case file, the name of a shipped case, or the folder of a run. A file NAME.toml here goes before the shipped
+        case NAME.
     set_ : tuple of str
         key=value, instead of what the case says; may be repeated.
     json : bool
@@ -39,7 +43,10 @@ def check(
     """
     from rdpm.config.load import load_case
 
-    loaded = load_case(case, set_)
+    source, _, note = case_source(case)
+    if note:
+        print(note, file=sys.stderr)
+    loaded = load_case(source, set_)
     from rdpm.setup import plan  # a case that is wrong is told before the solver is loaded
 
     planned = plan(loaded)

@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from rdpm.cli.progress import Reporter, say
+from rdpm.cli.source import case_source
 from rdpm.errors import CaseError, CheckpointError
 from rdpm.parallel.ranks import working_ranks
+from rdpm.parallel.threads import available_threads, checked_threads
 
 if TYPE_CHECKING:
     from rdpm.config.case import Case
@@ -34,6 +36,7 @@ def run(
     resume: Annotated[bool, Parameter(negative="", show_default=False)] = False,
     from_: Annotated[Path | None, Parameter(name="--from")] = None,
     at: str | None = None,
+    within: str | None = None,
     quiet: Annotated[bool, Parameter(negative="", show_default=False)] = False,
 ) -> int:
     """Run a case, and make its tables, fields, figures, video and report.
@@ -41,7 +44,8 @@ def run(
     Parameters
     ----------
     case : str
-        A case file, the name of a shipped case, or the folder of a run, whose case is then taken.
+        A case file, the name of a shipped case, or the folder of a run, whose case is then taken. A file NAME.toml here
+        goes before the shipped case NAME.
     out : Path, optional
         The folder for the results, new or empty; ./NAME, ./NAME-2, ... when left out.
     set_ : tuple of str
@@ -54,7 +58,9 @@ def run(
     from_ : Path, optional
         Start a new run from a checkpoint of the run in this folder; time, contact and output may be changed.
     at : str, optional
-        With --from: the newest checkpoint not after this time, such as 1.5 or "1500 ms".
+        With --from: the checkpoint of this time, such as 1.5 or "1500 ms"; the newest that is not after it.
+    within : str, optional
+        With --at: how long before that time the checkpoint may be, such as "0.1 s"; 1 % of the time when left out.
     quiet : bool
         Say nothing but errors.
 
@@ -67,12 +73,21 @@ def run(
     """
     working_ranks()  # refuses several
     _keep_streams()
-    if threads is not None and not 1 <= threads <= 1024:
-        raise CaseError("--threads", threads, "must lie between 1 and 1024")
+    if threads is None:
+        available_threads()  # refuses what the environment says
+    else:
+        checked_threads(threads, "--threads")
     start = _start(from_, at, resume)
+    if within is not None and at is None:
+        raise CaseError("--within", within, "needs --at", "it says how far from that time a checkpoint may be")
+    how: dict[str, Any] = {"threads": threads, "resume": resume, "start": start}
+    if within is not None:
+        how["within"] = _seconds("--within", within)
     from rdpm.config.load import case_name, load_case
 
-    source, run_folder = _source(case, (resume and out is None) or from_ == Path(case))
+    source, run_folder, note = case_source(case, (resume and out is None) or from_ == Path(case))
+    if note and not quiet:
+        say(note)
     loaded = load_case(source, set_)
     from rdpm.setup import plan  # a case that is wrong is told before the solver is loaded
 
@@ -83,7 +98,7 @@ def run(
     else:
         folder = _folder(out, run_folder.name if run_folder else case_name(case))
     try:
-        summary = _computed(loaded, folder, quiet, threads=threads, resume=resume, start=start)
+        summary = _computed(loaded, folder, quiet, **how)
         if summary.status == "interrupted":
             _unheard(_say_how_to_resume, folder, summary)
             return 130
@@ -121,27 +136,17 @@ def _start(folder: Path | None, at: str | None, resume: bool) -> tuple[Path, flo
         )
     if at is None:
         return folder, None
+    return folder, _seconds("--at", at)
+
+
+def _seconds(option: str, text: str) -> float:
     from rdpm.config.rule import RuleError
     from rdpm.config.units import parse_quantity
 
     try:
-        return folder, parse_quantity(at, "s")
+        return parse_quantity(text, "s")
     except RuleError as error:
-        raise CaseError("--at", at, error.rule, error.reason, error.cure) from None
-
-
-def _source(case: str, prefers_folder: bool) -> tuple[str, Path | None]:
-    """What to load as the case; and the folder, if it is that of a run.
-
-    A shipped name goes before a folder of that name, unless the run in the folder is meant.
-    """
-    from rdpm.cases import shipped_names
-    from rdpm.results.run_folder import RunFolder
-
-    folder = RunFolder(Path(case))
-    if (prefers_folder or case not in shipped_names()) and folder.case.is_file():
-        return str(folder.case), folder.path
-    return case, None
+        raise CaseError(option, text, error.rule, error.reason, error.cure) from None
 
 
 def _keep_streams() -> None:

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from rdpm.conventions import OVERLAP_WARNING
 from rdpm.errors import OutputError
 from rdpm.figures import page, plots
 from rdpm.figures.bodies_3d import finish_rendering, start_rendering
@@ -17,12 +16,18 @@ from rdpm.figures.plane import Plane, viewing_plane
 from rdpm.figures.style import case_text
 from rdpm.figures.video import Scene, make_video
 from rdpm.io.files import replacing
+from rdpm.results.contacts import LEAST_STOKES, MOST_CONTACT_TIMES
 from rdpm.results.dkt import KISS_GAP, TUMBLE_ANGLE
 from rdpm.results.run import Run, load_run
 from rdpm.results.summary import ContactDesign, PairDesign, Summary
 
 __all__ = ["make_report"]
 
+_PRESSED = (
+    f"A contact is pressed where a flow or a load holds the bodies together: its Stokes number is below "
+    f"{LEAST_STOKES:g}, or it lasts longer than {MOST_CONTACT_TIMES:g} contact times. It is no impact: it has no "
+    "restitution, and its time and steps have no target."
+)
 _DRY = "The target restitution is that of a dry contact; in a fluid it falls with the Stokes number."
 
 
@@ -111,7 +116,8 @@ def _draw(run: Run, plane: Plane, slices: Slices | None) -> list[tuple[Path, str
             drawn.append((path, "Angle between the line of centres and gravity."))
     if run.contacts is not None:
         target = run.summary.contact.restitution
-        path = plots.plot_contacts(figures / "contacts.png", run.contacts, target, about)
+        impacts = run.contacts | {"restitution": np.where(run.pressed, np.nan, run.contacts["restitution"])}
+        path = plots.plot_contacts(figures / "contacts.png", impacts, target, about)
         drawn.append((path, f"Each contact from touch to end. {_DRY}"))
     if run.history is not None:
         path = plots.plot_history(figures / "history.png", run.history, about)
@@ -154,7 +160,7 @@ def _page(run: Run, drawn: Sequence[tuple[Path, str]], video: Path | None) -> No
         page.paragraph("rdpm", soft=True),
         page.heading(run.title),
         page.paragraph(case_text("", run.case, run.summary, run.diameter)),
-        page.note_list(_warnings(run)),
+        page.note_list(run.summary.warnings),
         page.section("What it shows", shown),
         page.section("Drafting, kissing, tumbling", [page.table(_phase_rows(run))]),
         page.section("Key numbers", [page.table(_key_rows(run))]),
@@ -168,15 +174,6 @@ def _page(run: Run, drawn: Sequence[tuple[Path, str]], video: Path | None) -> No
 
 def _case_file(run: Run) -> str:
     return page.folded("case.toml", run.folder.case.read_text(encoding="utf-8"))
-
-
-def _warnings(run: Run) -> list[str]:
-    warnings = list(run.summary.warnings)
-    overlap = run.summary.contacts.max_overlap_fraction or 0.0
-    if overlap > OVERLAP_WARNING and not any("overlap" in text for text in warnings):
-        found = f"The largest overlap was {100 * overlap:.2g} % of a diameter"
-        warnings.append(f"{found}; a design keeps it below {100 * OVERLAP_WARNING:g} %.")
-    return warnings
 
 
 def _text(value: Any, unit: str = "", factor: float = 1.0) -> str:
@@ -267,29 +264,42 @@ def _contact_parts(run: Run) -> list[str]:
     for kind in sorted(kinds):
         pairs = [pair for pair in design.pairs if pair.kind == kind]
         found = {name: column[rows["kind"] == kind] for name, column in rows.items()} if rows else {}
+        if rows:
+            found["pressed"] = run.pressed[rows["kind"] == kind]
         parts.append(page.section(kind, [_contact_table(design, pairs, found)], level=3))
     return parts
 
 
 def _contact_table(design: ContactDesign, pairs: Sequence[PairDesign], found: dict[str, Any]) -> str:
-    def achieved(name: str, unit: str = "", factor: float = 1.0) -> str:
-        return _range(found.get(name, []), unit, factor)
+    pressed = found["pressed"] if found else np.zeros(0, bool)
+    impacts = {name: column[~pressed] for name, column in found.items()}
 
-    limit = f"≤ {100 * OVERLAP_WARNING:g} % d"
+    def achieved(name: str, unit: str = "", factor: float = 1.0) -> str:
+        return _range(impacts.get(name, []), unit, factor)
+
+    expected = _range([pair.max_overlap_fraction for pair in pairs], "% d", 100.0)
+    overlaps = [] if expected == "–" else [f"{expected} in a dry impact at the bodies' own speed"]
+    if design.overlap_warning is not None:
+        overlaps.append(f"warned of above {100 * design.overlap_warning:.3g} % d")
+    duration, steps = ([*found.get(name, [])] for name in ("duration_s", "steps"))
     lines = [
-        ("contacts", "", str(len(found.get("i", [])))),
+        ("impacts", "", str(int((~pressed).sum()))),
         ("restitution", _text(design.restitution), achieved("restitution")),
         ("contact time", _text(design.contact_time_s, "ms", 1e3), achieved("duration_s", "ms", 1e3)),
         ("steps in a contact", _text(design.contact_steps), achieved("steps")),
-        ("largest overlap", limit, achieved("max_overlap_fraction", "% d", 100.0)),
-        ("impact speed", "", achieved("impact_speed_m_s", "m/s")),
-        ("Stokes number", "", achieved("stokes_number")),
-        ("work of the contact force", "≤ 0", achieved("work_J", "J")),
+        ("pressed contacts", "", str(int(pressed.sum())) if pressed.any() else ""),
+        ("time of a pressed contact", "", _range(np.array(duration)[pressed], "s") if pressed.any() else ""),
+        ("steps of a pressed contact", "", _range(np.array(steps)[pressed]) if pressed.any() else ""),
+        ("largest overlap", "; ".join(overlaps), _range(found.get("max_overlap_fraction", []), "% d", 100.0)),
+        ("impact speed", "", _range(found.get("impact_speed_m_s", []), "m/s")),
+        ("Stokes number", "", _range(found.get("stokes_number", []))),
+        ("work of the contact force", "≤ 0", _range(found.get("work_J", []), "J")),
         ("stiffness k_n", _range([pair.stiffness_N_m for pair in pairs], "N/m"), ""),
         ("damping η_n", _range([pair.damping_N_s_m for pair in pairs], "N s/m"), ""),
         ("reduced mass", _range([pair.reduced_mass_kg for pair in pairs], "kg"), ""),
     ]
-    return page.table([line for line in lines if set(line[1:]) - {"", "–"}], ("", "target", "achieved"))
+    note = page.paragraph(_PRESSED, soft=True) if pressed.any() else ""
+    return page.table([line for line in lines if set(line[1:]) - {"", "–"}], ("", "target", "achieved")) + note
 
 
 def _origin_rows(run: Run) -> list[tuple[str, str]]:

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import os
 
-__all__ = ["available_threads", "wait_passively"]
+from rdpm.errors import CaseError
 
+__all__ = ["available_threads", "checked_threads", "processors", "wait_passively"]
+
+#: Threads a processor above which their number is refused; more than one are warned of.
+MOST_THREADS = 4
 
 #: Turns of the waiting loop before an idle thread sleeps: about a tenth of a millisecond.
 SHORT_SPIN = 4_000
@@ -29,6 +33,17 @@ def wait_passively() -> None:
         os.environ.setdefault("GOMP_SPINCOUNT", str(SHORT_SPIN))
 
 
+def processors() -> int:
+    """Processors this process may use.
+
+    Examples
+    --------
+    >>> processors() >= 1
+    True
+    """
+    return max(1, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)
+
+
 def available_threads() -> int:
     """Processors this process may use, or OMP_NUM_THREADS where that is set.
 
@@ -37,12 +52,52 @@ def available_threads() -> int:
     int
         At least 1.
 
+    Raises
+    ------
+    CaseError
+        OMP_NUM_THREADS is no number, or an absurd one.
+
     Examples
     --------
     >>> available_threads() >= 1
     True
     """
-    asked = os.environ.get("OMP_NUM_THREADS", "").split(",")[0]
-    if asked.isdigit() and int(asked) > 0:
-        return int(asked)
-    return max(1, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)
+    given = os.environ.get("OMP_NUM_THREADS", "").strip()
+    if not given:
+        return processors()
+    first = given.split(",")[0].strip()   # the others are of nested regions
+    if not (first.isascii() and first.isdigit() and int(first) > 0):
+        raise CaseError(
+            "OMP_NUM_THREADS", given, "must be a whole number from 1",
+            cure=f"Set it to {processors()}, the processors here, or unset it.",
+        )  # fmt: skip
+    return checked_threads(int(first), "OMP_NUM_THREADS")
+
+
+def checked_threads(asked: int, place: str) -> int:
+    """Return the number of threads asked for, unless it is absurd.
+
+    Parameters
+    ----------
+    asked : int
+    place : str
+        Where it was asked for, for the message.
+
+    Raises
+    ------
+    CaseError
+        Fewer than one, or more than `MOST_THREADS` a processor.
+
+    Examples
+    --------
+    >>> checked_threads(1, "--threads")
+    1
+    """
+    most = MOST_THREADS * processors()
+    if not 1 <= asked <= most:
+        raise CaseError(
+            place, asked, f"must lie between 1 and {most}",
+            f"this process may use {processors()} processors; more threads than that slow each other",
+            "Leave it out for one thread a processor.",
+        )  # fmt: skip
+    return asked

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from rdpm.errors import CaseError
 from rdpm.io.tables import read_table
 from rdpm.io.vtkhdf import field_times
+from rdpm.results.contacts import is_pressed
 from rdpm.results.dkt import DktPhases, from_particles_table
 from rdpm.results.run_folder import RunFolder
 from rdpm.results.summary import Summary, read_summary
@@ -59,6 +60,14 @@ class Run:
     history: dict[str, NDArray[Any]] | None
     fields: Path | None
     phases: DktPhases | None
+
+    @property
+    def pressed(self) -> NDArray[np.bool_]:
+        """Which contacts were no impacts, see `rdpm.results.contacts.is_pressed`: (rows,)."""
+        if self.contacts is None:
+            return np.zeros(0, np.bool_)
+        kind, stokes, duration = (self.contacts[name] for name in ("kind", "stokes_number", "duration_s"))
+        return is_pressed(kind, stokes, duration, self.summary.contact.contact_times)
 
     @property
     def period(self) -> Floats:

@@ -13,6 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 from rdpm.errors import CaseError
 from rdpm.io.provenance import read_json, write_json
 from rdpm.results.dkt import DktPhases
+from rdpm.results.warnings import RunWarning
 
 __all__ = [
     "BodySummary",
@@ -54,6 +55,8 @@ class PairDesign:
     kind : str
         "sphere-sphere" or "sphere-wall".
     reduced_mass_kg, stiffness_N_m, damping_N_s_m, contact_time_s, restitution : float
+    max_overlap_fraction : float, [-]
+        Of the smaller diameter, that a dry impact at the bodies' own speed would reach.
     """
 
     kind: str
@@ -62,6 +65,7 @@ class PairDesign:
     damping_N_s_m: float | None = None  # noqa: N815 (unit)
     contact_time_s: float | None = None
     restitution: float | None = None
+    max_overlap_fraction: float | None = None
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,8 @@ class ContactDesign:
     restitution, friction : float, [-]
     lubrication : bool
     pairs : tuple of PairDesign
+    overlap_warning : float, [-]
+        Overlap that the case allows without a warning.
     """
 
     model: str | None = None
@@ -88,6 +94,17 @@ class ContactDesign:
     friction: float | None = None
     lubrication: bool | None = None
     pairs: tuple[PairDesign, ...] = ()
+    overlap_warning: float | None = None
+
+    @property
+    def contact_times(self) -> dict[str, float]:
+        """Longest contact time of each kind, "sphere-sphere" and "sphere-wall" [s]."""
+        times: dict[str, float] = {}
+        for pair in self.pairs:
+            kind = pair.kind.split(" ")[0]
+            if pair.contact_time_s is not None:
+                times[kind] = max(times.get(kind, 0.0), pair.contact_time_s)
+        return times
 
 
 @dataclass(frozen=True)
@@ -100,6 +117,8 @@ class ContactTotals:
     max_overlap_fraction : float, [-]
         Of the smaller diameter.
     total_time_s : float
+    pressed : int
+        Of them, those in which the bodies were pressed together; see `rdpm.results.contacts.is_pressed`.
     came_to_rest, capped : int
         Hard spheres: contacts slower than the rest speed, or beyond the most events of a pair in a step; and of these
         the latter.
@@ -108,6 +127,7 @@ class ContactTotals:
     count: int = 0
     max_overlap_fraction: float | None = 0.0
     total_time_s: float | None = 0.0
+    pressed: int = 0
     came_to_rest: int = 0
     capped: int = 0
 
@@ -142,6 +162,9 @@ class Summary:
     contacts : ContactTotals
     dkt : DktPhases
     warnings : tuple of str
+        What the run was warned of, before it started and at its end; each once.
+    warning_details : tuple of RunWarning
+        The same, taken apart.
 
     Examples
     --------
@@ -183,6 +206,7 @@ class Summary:
     contacts: ContactTotals = field(default_factory=ContactTotals)
     dkt: DktPhases | None = None
     warnings: tuple[str, ...] = ()
+    warning_details: tuple[RunWarning, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """The same as plain dicts; without ``dkt`` where there is no pair."""

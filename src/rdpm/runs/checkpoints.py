@@ -29,6 +29,9 @@ WALL_INTERVAL = 300.0
 #: A checkpoint that took one second is followed by at least this many without one: at most 2 % of the time.
 COST_RATIO = 50.0
 
+#: Share of a requested time by which a checkpoint may be before it.
+AT_TOLERANCE = 0.01
+
 Arrays = Mapping[str, NDArray[Any]]
 
 
@@ -185,7 +188,9 @@ def restore(simulation: TimeLoop, saved: Saved, is_same_run: bool = True) -> Non
         system.watch.seconds.update(saved.facts["parts_s"])
 
 
-def load_newest(folder: RunFolder, tell: Callable[[str], None], at: float | None = None) -> Saved:
+def load_newest(
+    folder: RunFolder, tell: Callable[[str], None], at: float | None = None, within: float | None = None
+) -> Saved:
     """Read the newest good checkpoint of a run.
 
     Parameters
@@ -195,32 +200,38 @@ def load_newest(folder: RunFolder, tell: Callable[[str], None], at: float | None
         Gets a sentence about each spoiled one that was passed over.
     at : float, optional, [s]
         Not after this time.
+    within : float, optional, [s]
+        Nor longer before it; `AT_TOLERANCE` of the time when left out.
 
     Raises
     ------
     CheckpointError
-        There is none, or none is good; the message says which.
+        There is none, none is good, or none is near that time; the message says which, and the times there are.
     """
     found = folder.checkpoint_files()
     times: list[float] = []
+    tolerance = (AT_TOLERANCE * (at or 0.0) if within is None else within) * (1.0 + 1e-9)
     spoiled = 0
     for path in reversed(found):
         try:
             time = float(read_facts(path)["time_s"])
             # A step ends within round-off of its target.
-            if at is not None and time > at * (1.0 + 1e-9):
+            if at is not None and not at - tolerance <= time <= at * (1.0 + 1e-9):
                 times.append(time)
                 continue
             return Saved(path, *read_checkpoint(path))
         except CheckpointError as error:
             spoiled += 1
-            tell(f"warning: {error} The one before is taken.")
+            tell(f"{error} The one before is taken.")
     if times:
         listed = ", ".join(f"{time:.6g}" for time in sorted(times))
-        cure = "Ask for one of these times, or set output.checkpoints_kept and output.checkpoint_every in that run."
+        cure = (
+            "Ask for one of these times, allow more with --within, or set output.checkpoints_kept and "
+            "output.checkpoint_every in that run."
+        )
         raise CheckpointError(
-            "--at", f"{at:g} s", "must not be before the first good checkpoint kept", f"there are those at {listed} s",
-            cure,
+            "--at", f"{at:g} s", f"must be the time of a checkpoint, or at most {tolerance:.3g} s after it",
+            f"there are those at {listed} s", cure,
         )
     reason = f"all {spoiled} are spoiled" if spoiled else "there is none"
     raise CheckpointError(str(folder), None, "must hold a good checkpoint", reason, "Start the run anew.")

@@ -15,6 +15,7 @@ from rdpm.errors import OutputError
 from rdpm.io.files import reporting
 from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, TableWriter
 from rdpm.io.vtkhdf import BodyWriter, FieldWriter
+from rdpm.results.contacts import is_pressed
 from rdpm.results.run_folder import TABLES, RunFolder
 from rdpm.simulation.schedule import Every
 from rdpm.simulation.time_loop import TimeLoop
@@ -40,6 +41,8 @@ class Recorder:
         What `state` gave: the files are continued from there, later rows and fields dropped.
     note : callable, optional
         Gets a sentence about a file that could not be continued.
+    contact_times : mapping of str to float, optional, [s]
+        Of the design, by kind of contact: tells impacts from pressed contacts.
     """
 
     def __init__(
@@ -50,15 +53,18 @@ class Recorder:
         fields_every: float,
         resumed: tuple[Mapping[str, NDArray[Any]], Mapping[str, Any]] | None = None,
         note: Callable[[str], None] | None = None,
+        contact_times: Mapping[str, float] | None = None,
     ) -> None:
         self.simulation = simulation
+        self._contact_times = contact_times or {}
         self._tables, self._fields = Every(table_every), Every(fields_every)
         fluid, bodies = simulation.fluid, simulation.bodies
         self._contact_impulse = np.zeros((len(bodies), 3))
         self._since = simulation.time
+        self._last_row = -1.0
         self._deepest = 0.0
         self.episodes: dict[str, Any] = {
-            "count": 0, "max_overlap_fraction": 0.0, "total_time_s": 0.0, "came_to_rest": 0, "capped": 0,
+            "count": 0, "pressed": 0, "max_overlap_fraction": 0.0, "total_time_s": 0.0, "came_to_rest": 0, "capped": 0,
         }  # fmt: skip
         self.max_speed = np.linalg.norm(bodies.velocity, axis=1)
         arrays, facts = resumed or ({}, {})
@@ -92,6 +98,7 @@ class Recorder:
             "positions": {name: writer.sync() for name, writer in self._writers.items()},
             "counts": [self._tables.count, self._fields.count],
             "since_s": self._since,
+            "last_row_s": self._last_row,
             "deepest": self._deepest,
             "episodes": self.episodes,
         }
@@ -101,7 +108,8 @@ class Recorder:
         np.copyto(self.max_speed, arrays["max_speed"])
         self._tables.count, self._fields.count = facts["counts"]
         self._since, self._deepest = facts["since_s"], facts["deepest"]
-        self.episodes |= dict(facts["episodes"])
+        self._last_row = facts["last_row_s"]
+        self.episodes |= facts["episodes"]
 
     def __enter__(self) -> Recorder:
         return self
@@ -125,7 +133,10 @@ class Recorder:
         rows = self.simulation.system.contacts.take_episodes()
         if not len(rows):
             return
+        pressed = is_pressed(rows["kind"], rows["stokes_number"], rows["duration_s"], self._contact_times)
+        rows["restitution"][pressed] = np.nan
         self._contacts.write([[row[name] for name in CONTACT_COLUMNS] for row in rows])
+        self.episodes["pressed"] += int(pressed.sum())
         self.episodes["count"] += len(rows)
         self.episodes["total_time_s"] += float(rows["duration_s"].sum())
 
@@ -146,6 +157,7 @@ class Recorder:
         self._timing.write([[sim.steps, sim.time, sim.wall_seconds, *named]])
         for table in self._writers.values():
             table.flush()
+        self._last_row = sim.time
 
     def _write_particles(self) -> None:
         sim, bodies, system = self.simulation, self.simulation.bodies, self.simulation.system
@@ -195,7 +207,7 @@ class Recorder:
         try:
             sim.system.contacts.close_open(sim.time, sim.dt)
             self._take_episodes()
-            if sim.time > self._since:
+            if sim.time > self._last_row:
                 self._write_tables()
         finally:
             self._files.close()
@@ -215,5 +227,5 @@ def _continued(
         with reporting(aside):
             path.replace(aside)
         if note:
-            note(f"warning: {path} was broken off while it was written: a new one begins, the old is {aside}")
+            note(f"{path} was broken off while it was written: a new one begins, the old is {aside}")
         return make(path, None)

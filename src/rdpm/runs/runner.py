@@ -14,11 +14,13 @@ from rdpm.io.lock import locked
 from rdpm.parallel.ranks import working_ranks
 from rdpm.results.run_folder import RunFolder
 from rdpm.results.summary import Summary, read_summary, write_summary
+from rdpm.results.warnings import RunWarning
 from rdpm.runs.checkpoints import Checkpoints, Saved, discard_later, load_newest, restore
 from rdpm.runs.recorder import Recorder
 from rdpm.runs.restart import case_to_branch, case_to_continue
 from rdpm.runs.stopping import Interrupted, listening
-from rdpm.runs.summary import summarise
+from rdpm.runs.summary import contact_design, summarise
+from rdpm.runs.warnings import crowded, planned
 from rdpm.setup import Plan, Simulation
 
 __all__ = ["Reporter", "run_case"]
@@ -48,6 +50,7 @@ def run_case(
     reporter: Reporter | None = None,
     resume: bool = False,
     start: tuple[Path, float | None] | None = None,
+    within: float | None = None,
 ) -> Summary:
     """Run a case to its end; write its tables, fields, checkpoints, summary and report into a folder.
 
@@ -63,6 +66,8 @@ def run_case(
         A run that made no checkpoint yet begins anew.
     start : tuple of (Path, float or None), optional
         Begin at the newest good checkpoint of another run's folder, not after a time [s].
+    within : float, optional, [s]
+        How long before that time the checkpoint may be; 1 % of the time when left out.
 
     Returns
     -------
@@ -81,7 +86,7 @@ def run_case(
     files = RunFolder(Path(folder))
     with locked(files.lock):
         teller = _Teller(files.log, reporter)
-        case, saved, summary = _start(case, files, teller, resume, start)
+        case, saved, summary = _start(case, files, teller, resume, start, within)
         if summary is None:
             summary = _Run(case, files, threads, teller, saved, resume and saved is not None).to_end()
         if summary.status == "done" and case.output.report and not _is_reported(files):
@@ -90,18 +95,19 @@ def run_case(
 
 
 def _start(
-    case: Case, files: RunFolder, teller: _Teller, resume: bool, start: tuple[Path, float | None] | None
+    case: Case, files: RunFolder, teller: _Teller, resume: bool, start: tuple[Path, float | None] | None,
+    within: float | None,
 ) -> tuple[Case, Saved | None, Summary | None]:
     """The case that is run, where from, and the summary of a run that has nothing left to do."""
     if start is not None and not resume:
-        saved = load_newest(RunFolder(Path(start[0])), teller.note, start[1])
+        saved = load_newest(RunFolder(Path(start[0])), teller.warn, start[1], within)
         return case_to_branch(case, saved), saved, None
     if not resume:
         return case, None, None
     if _is_untouched(files):
         teller.note(f"{files} holds no run to continue: it begins here")
         return case, None, None
-    saved = load_newest(files, teller.note)
+    saved = load_newest(files, teller.warn)
     case = case_to_continue(case, saved, teller.note)
     done = _finished(files, case, saved)
     if done is not None:
@@ -150,6 +156,7 @@ class _Teller:
     def __init__(self, path: Path, reporter: Reporter | None) -> None:
         self._path, self._reporter = path, reporter
         self._waiting: list[str] | None = []  # until the run begins: one that is refused writes nothing
+        self.warnings: tuple[RunWarning, ...] = ()
 
     def begin(self) -> None:
         waiting, self._waiting = self._waiting or [], None
@@ -162,6 +169,17 @@ class _Teller:
             self._waiting.append(text)
         if is_shown:
             self.tell("note", text)
+
+    def warn(self, warning: RunWarning | str, is_logged: bool = True) -> None:
+        """Say it once, and keep it for the summary."""
+        told = warning if isinstance(warning, RunWarning) else RunWarning(warning)
+        if str(told) in map(str, self.warnings):
+            return
+        self.warnings = (*self.warnings, told)
+        if is_logged:
+            self.note(f"warning: {told}")
+        else:
+            self.tell("note", f"warning: {told}")
 
     def _log(self, lines: str) -> None:
         with reporting(self._path), self._path.open("a", encoding="utf-8") as file:
@@ -200,13 +218,14 @@ class _Run:
         with replacing(files.case) as temporary:
             temporary.write_text(text, encoding="utf-8")
         self.teller.tell("start", simulation.plan)
-        if not self.is_same:
-            for warning in simulation.plan.warnings:
-                self.teller.note(f"warning: {warning}", is_shown=False)
+        used = simulation.fluid.grid.threads if simulation.fluid else 1
+        for warning in (*planned(simulation.plan), *crowded(used)):
+            self.teller.warn(warning, is_logged=not self.is_same)
         output = case.output
         resumed = (saved.part("recorder"), saved.facts["recorder"]) if saved is not None and self.is_same else None
         with Recorder(
-            simulation, files, output.table_every or 0.0, output.fields_every or 0.0, resumed, self.teller.note
+            simulation, files, output.table_every or 0.0, output.fields_every or 0.0, resumed, self.teller.warn,
+            contact_design(simulation).contact_times,
         ) as recorder:
             every = output.checkpoint_every or 0.0
             checkpoints = Checkpoints(simulation, recorder, files, text, every, output.checkpoints_kept)
@@ -218,8 +237,8 @@ class _Run:
             status = self._advance(recorder, checkpoints)
             recorder.close()
         summary = self._summarise(recorder, status)
-        for warning in summary.warnings:
-            self.teller.note(f"warning: {warning}")
+        for warning in summary.warning_details:
+            self.teller.warn(warning)
         if status == "done":
             self.teller.tell("finish", summary)
         return summary
@@ -250,7 +269,7 @@ class _Run:
         return status
 
     def _summarise(self, recorder: Recorder, status: str) -> Summary:
-        summary = summarise(self.simulation, recorder, self.files, status)
+        summary = summarise(self.simulation, recorder, self.files, status, self.teller.warnings)
         write_summary(self.files.summary, summary)
         return summary
 

@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
-from rdpm.conventions import OVERLAP_WARNING
 from rdpm.io.provenance import environment, peak_memory_bytes
 from rdpm.io.tables import read_table
 from rdpm.parallel.ranks import working_ranks
 from rdpm.results.dkt import DktPhases, from_particles_table
 from rdpm.results.run_folder import RunFolder
 from rdpm.results.summary import BodySummary, ContactDesign, ContactTotals, PairDesign, Summary
+from rdpm.results.warnings import RunWarning, each_once
 from rdpm.runs.recorder import Recorder
-from rdpm.setup import Plan, Simulation
+from rdpm.runs.warnings import happened
+from rdpm.setup import Simulation
 
-__all__ = ["summarise"]
+__all__ = ["contact_design", "summarise"]
 
 
-def summarise(simulation: Simulation, recorder: Recorder, folder: RunFolder, status: str) -> Summary:
+def summarise(
+    simulation: Simulation, recorder: Recorder, folder: RunFolder, status: str, warnings: Iterable[RunWarning] = ()
+) -> Summary:
     """Collect what a run found.
 
     Parameters
@@ -31,12 +35,15 @@ def summarise(simulation: Simulation, recorder: Recorder, folder: RunFolder, sta
         Where its tables are.
     status : str
         "done", "interrupted", or the guard that stopped it.
+    warnings : iterable of RunWarning
+        Told so far; what then happened is added.
 
     Returns
     -------
     Summary
     """
-    contact, contacts = _contact(simulation), ContactTotals(**recorder.episodes)
+    contact, contacts = contact_design(simulation), ContactTotals(**recorder.episodes)
+    found = each_once((*warnings, *happened(contacts, simulation.plan)))
     return Summary(
         title=simulation.case.title,
         **environment(),
@@ -46,7 +53,8 @@ def summarise(simulation: Simulation, recorder: Recorder, folder: RunFolder, sta
         contact=contact,
         contacts=contacts,
         dkt=_phases(simulation, folder, contact.contact_time_s or 0.0),
-        warnings=_warnings(contacts, simulation.plan),
+        warnings=tuple(map(str, found)),
+        warning_details=found,
     )
 
 
@@ -108,7 +116,8 @@ def _bodies(simulation: Simulation, recorder: Recorder) -> tuple[BodySummary, ..
     )
 
 
-def _contact(simulation: Simulation) -> ContactDesign:
+def contact_design(simulation: Simulation) -> ContactDesign:
+    """What the contacts of a simulation were designed to be."""
     given = simulation.case.contact
     designs = [(pair.kind, pair.design) for pair in simulation.plan.pairs]
     times = [d.contact_time_s for _, d in designs if d.contact_time_s is not None]
@@ -122,6 +131,7 @@ def _contact(simulation: Simulation) -> ContactDesign:
         restitution=restitution,
         friction=given.friction,
         lubrication=given.lubrication,
+        overlap_warning=given.overlap_warning,
         pairs=tuple(
             PairDesign(
                 kind=kind,
@@ -130,30 +140,9 @@ def _contact(simulation: Simulation) -> ContactDesign:
                 damping_N_s_m=d.damping_N_s_m,
                 contact_time_s=d.contact_time_s,
                 restitution=d.restitution,
+                max_overlap_fraction=d.max_overlap_fraction,
             )
             for kind, d in designs
         ),
     )
 
-
-def _warnings(contacts: ContactTotals, plan: Plan) -> tuple[str, ...]:
-    """Where what happened lies outside what was designed."""
-    warnings = []
-    overlap = contacts.max_overlap_fraction or 0.0
-    if overlap > OVERLAP_WARNING:
-        warnings.append(
-            f"the largest overlap was {100 * overlap:.3g} % of the diameter, above {100 * OVERLAP_WARNING:g} %: "
-            "stiffen the contact (fewer contact_steps, or a shorter time.step)"
-        )
-    designed = max((pair.design.max_overlap_fraction or 0.0 for pair in plan.pairs), default=0.0)
-    if 0.0 < designed < overlap:
-        warnings.append(
-            f"the largest overlap was {100 * overlap:.3g} % of the diameter; the design expected "
-            f"{100 * designed:.3g} % at the bodies' own speed: several bodies pressed together, or an impact was faster"
-        )
-    if contacts.capped:
-        warnings.append(
-            f"{contacts.capped} contacts of hard spheres came to rest because a pair met more than "
-            f"contact.most_events = {plan.case.contact.most_events} times in a step: raise it, or contact.rest_speed"
-        )
-    return tuple(warnings)
