@@ -5,7 +5,6 @@ import json
 
 import pandas
 import pytest
-from studies import MEETING, command, run_bytes, sweep, without_time
 
 import rdpm
 from rdpm.results.dkt import pair_gap
@@ -15,6 +14,7 @@ from rdpm.studies.folder import StudyFolder
 from rdpm.studies.registry import CLAIMS, DRAWINGS, Drawing, Judgement
 from rdpm.studies.study import run_study
 from rdpm.studies.study_file import load_study
+from studies import MEETING, command, run_bytes, sweep, without_time
 
 
 class Watch:

@@ -1,7 +1,6 @@
 """A wrong study file is refused with file, line, value, rule and cure, before anything is written."""
 
 import pytest
-from studies import MEETING, sweep
 
 from rdpm.cli.main import main
 from rdpm.config.write import case_to_toml
@@ -10,6 +9,7 @@ from rdpm.studies.expand import expand
 from rdpm.studies.prepare import prepare, write_folder
 from rdpm.studies.study import run_study
 from rdpm.studies.study_file import load_study
+from studies import MEETING, sweep
 
 HEAD = '[base]\ncase = "dkt"\n'
 

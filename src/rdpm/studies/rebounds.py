@@ -35,10 +35,10 @@ def first_rebound(run: Run) -> dict[str, float | None]:
         there the resolved fluid, not the correction, decides. ``rebound_speed_m_s``: that at which the body passes the same
         gap on its way back; 0 where it does not come so far before the next impact or within the record.
         ``wet_restitution``: their ratio. ``approach_stokes_number`` :math:`\rho_p v d/(9\mu)` of the approach.
-        ``rebound_height_m``: largest gap until the next impact, by a parabola through three rows. None where there is no
-        impact on a wall, the approach begins nearer, or, for the height, the body still rises at the end of the record.
-        A single body that lubrication stops before it touches has met the wall where it came nearest, if it had lost 90 %
-        of the approach there.
+        ``rebound_height_m``: largest gap until the next impact, by a parabola through three rows. None where there is
+        no impact on a wall, the approach begins nearer, or, for the height, the body still rises at the end of the
+        record. A single body that lubrication stops before it touches has met the wall where it came nearest, if it had
+        lost 90 % of the approach there.
     """
     names = (
         "approach_speed_m_s", "rebound_speed_m_s", "wet_restitution", "approach_stokes_number", "rebound_height_m"
