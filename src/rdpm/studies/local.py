@@ -86,12 +86,14 @@ class _Pool:
 
     def _listen(self, job: Job, process: subprocess.Popen[str]) -> None:
         assert process.stdout is not None
-        for line in process.stdout:
-            with suppress(ValueError):
-                said = json.loads(line)
-                if isinstance(said, dict):
-                    self.events.put((job, said))
+        with process.stdout:
+            for line in process.stdout:
+                with suppress(ValueError):
+                    said = json.loads(line)
+                    if isinstance(said, dict):
+                        self.events.put((job, said))
         process.wait()
+        _close(process)
         self.events.put((job, None))
 
     def wait(self) -> Job | None:
@@ -121,14 +123,19 @@ class _Pool:
     def stop(self) -> None:
         """Have all end at the end of the step in hand, a checkpoint written; and wait for that."""
         for item in self.running.values():
-            with suppress(OSError):
-                assert item.process.stdin is not None
-                item.process.stdin.close()
+            _close(item.process)
         for item in self.running.values():
             try:
                 item.process.wait(60)
             except subprocess.TimeoutExpired:
                 item.process.kill()
+
+
+def _close(process: subprocess.Popen[str]) -> None:
+    """Close the standard input of a process: it ends, if it has not ended yet."""
+    if process.stdin is not None:
+        with suppress(OSError):
+            process.stdin.close()
 
 
 def run_locally(folder: StudyFolder, jobs: list[Job], workers: int, watcher: Watcher) -> None:
