@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 
 __all__ = [
-    "code", "document", "folded", "heading", "note_list", "paragraph", "picture", "section", "table", "video",
+    "code", "document", "folded", "heading", "note_list", "paragraph", "picture", "row", "section", "table", "video",
     "video_beside",
 ]  # fmt: skip
 
@@ -32,7 +32,9 @@ th, td { text-align: left; padding: 0.28rem 1.1rem 0.28rem 0; border-bottom: 1px
 thead th { color: var(--soft); font-weight: 600; font-size: 0.9rem; } tbody th { font-weight: 400; }
 figure { margin: 1.2rem 0; } figure img, figure video { display: block; max-width: 100%; height: auto;
   margin: 0 auto 0.4rem; border-radius: 6px; background: #fff; border: 1px solid var(--line); }
-figure video { max-height: 88vh; } figure img.tall { max-height: 80vh; }
+figure video { max-height: 88vh; }
+.row { display: flex; flex-wrap: wrap; gap: 1rem; } .row figure { flex: 1 1 14rem; margin: 0; }
+ figure img.tall { max-height: 80vh; }
 .warnings { background: var(--warn); border-radius: 6px; padding: 0.6rem 1rem 0.6rem 2rem; }
 details { margin: 0.8rem 0; } pre { overflow-x: auto; background: var(--card); border: 1px solid var(--line);
   border-radius: 6px; padding: 0.8rem; font-size: 0.85rem; }
@@ -153,6 +155,17 @@ def video_beside(source: str, caption: str) -> str:
     """
     player = f'<video controls loop muted playsinline preload="metadata" src="{escape(source)}"></video>'
     return f"<figure>{player}<figcaption>{escape(caption)}</figcaption></figure>"
+
+
+def row(parts: Sequence[str]) -> str:
+    """Parts beside each other; nothing where there is none.
+
+    Examples
+    --------
+    >>> row([])
+    ''
+    """
+    return f'<div class="row">{"".join(parts)}</div>' if parts else ""
 
 
 def code(text: str) -> str:

@@ -55,8 +55,6 @@ class Panel:
         With its unit.
     curves : sequence of Curve
     log : bool
-    symlog : float
-        > 0: logarithmic above this value, linear below it.
     limits : tuple of (float, str)
         Horizontal lines and what they are.
     """
@@ -64,7 +62,6 @@ class Panel:
     y_label: str
     curves: Sequence[Curve]
     log: bool = False
-    symlog: float = 0.0
     limits: tuple[tuple[float, str], ...] = ()
 
 
@@ -133,6 +130,7 @@ def chart(
     ticks: ArrayLike | None = None,
     band: tuple[float, float, str] | None = None,
     height: float | None = None,
+    to_scale: bool = False,
 ) -> Path:
     """Draw panels over one x axis.
 
@@ -149,6 +147,8 @@ def chart(
     band : (float, float, str), optional
         Range of x that is shaded, and what it is.
     height : float, optional, [inches]
+    to_scale : bool
+        One unit of x is as long as one of y.
 
     Returns
     -------
@@ -162,6 +162,8 @@ def chart(
             if band is not None:
                 label = band[2] if axes is stack[0] else None
                 axes.axvspan(band[0], band[1], color="#56B4E9", alpha=0.15, lw=0, label=label)
+        if to_scale:
+            stack[0].set_aspect("equal")
         stack[0].set_title(title, loc="left")
         stack[-1].set_xlabel(x_label)
         if log_x:
@@ -194,9 +196,7 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
     for value, name in panel.limits:
         axes.axhline(value, color=ACCENT, lw=1.0, ls=":", label=name or None)
     axes.set_ylabel(panel.y_label)
-    if panel.symlog > 0.0:
-        axes.set_yscale("symlog", linthresh=panel.symlog)
-    elif panel.log:
+    if panel.log:
         axes.set_yscale("log")
 
 

@@ -44,16 +44,20 @@ def _gap(run: Run) -> Floats:
 
 def draw_velocity(results: StudyResults, folder: Path) -> list[Picture]:
     """Settling velocity of both spheres against time."""
-    sweep, curves = sweep_of(results), []
+    sweep, curves, between = sweep_of(results), [], []
     runs = sweep.runs()
     for run, label, color in zip(runs, sweep.labels, sweep.colors, strict=True):
         tracks, down = _pair(run), run.gravity / np.linalg.norm(run.gravity)
+        upper, lower = _order(run)
+        difference = 100.0 * (tracks.velocity[:, upper] - tracks.velocity[:, lower]) @ down
+        between.append(Curve("", tracks.times, difference, color))
         for n, look in zip(_order(run), ("line", "dashed"), strict=True):
             text = label if look == "line" else ""
             curves.append(Curve(text, tracks.times, 100.0 * tracks.velocity[:, n] @ down, color, look))  # type: ignore[arg-type]
     path = chart(
-        folder / "settling_velocity.png", [Panel("settling velocity [cm/s]", curves)], "time [s]",
-        "Settling velocity of both spheres", f"{sweep.about(runs[0])} Of each run {_SPHERES}.",
+        folder / "settling_velocity.png",
+        [Panel("settling velocity [cm/s]", curves), Panel("upper less lower [cm/s]", between)], "time [s]",
+        "Settling velocity of both spheres", f"{sweep.about(runs[0])} Of each run {_SPHERES}.", height=5.2,
     )  # fmt: skip
     return [Picture(path, f"Settling velocity of both spheres: {_SPHERES}.")]
 
@@ -91,13 +95,13 @@ def draw_relative(results: StudyResults, folder: Path) -> list[Picture]:
         height = -between @ down
         across = np.linalg.norm(between + height[:, None] * down, axis=1)
         curves.append(Curve(label, across, height, color))
-    angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 181)
+    angle = np.linspace(-0.1 * np.pi, 0.5 * np.pi, 109)
     curves.append(Curve("contact", np.cos(angle), np.sin(angle), "#7a7a7a", "dashed"))
     path = chart(
         folder / "relative_position.png", [Panel("height above the other sphere [d]", curves)],
         "horizontal distance of the centres [d]", "The pair from inside: the upper sphere as seen from the lower",
         f"{sweep.about(runs[0])} The pair starts at the top, touches on the dashed circle and turns along it.",
-        height=4.4,
+        height=4.4, to_scale=True,
     )  # fmt: skip
     return [Picture(path, "Relative position of the spheres: approach, roll along the circle of contact, separation.")]
 
@@ -109,15 +113,15 @@ def draw_gap(results: StudyResults, folder: Path) -> list[Picture]:
     whole, near = [], []
     for run, label, color in zip(runs, sweep.labels, sweep.colors, strict=True):
         t, gap = _pair(run).times, 100.0 * _gap(run)
-        whole.append(Curve(label, t, gap, color))
+        whole.append(Curve(label, t, np.where(gap >= 1.0, gap, np.nan), color))
         near.append(Curve("", t, np.where(gap <= 5.0, gap, np.nan), color))
     panels = [
-        Panel("gap [% d]", whole, symlog=2.0, limits=((2.0, "a kiss by gap: 2 % d"), (0.0, ""))),
+        Panel("gap [% d]", whole, log=True, limits=((2.0, "a kiss by gap: 2 % d"),)),
         Panel("near contact [% d]", near, limits=((2.0, ""), (0.0, ""))),
     ]
     path = chart(
         folder / "gap.png", panels, "time [s]", "Gap between the spheres",
-        f"{sweep.about(runs[0])} Negative: overlap. Top: logarithmic above 2 % d.", height=5.2,
+        f"{sweep.about(runs[0])} Negative: overlap. Top: logarithmic.", height=5.2,
     )  # fmt: skip
     return [Picture(path, "Gap in % of the diameter against time; below, the same near contact: negative is overlap.")]
 

@@ -26,7 +26,7 @@ __all__ = [
     "draw_contacts", "draw_convergence", "draw_design", "draw_restitution", "draw_videos", "draw_wet_restitution",
 ]  # fmt: skip
 
-_FRAMES, _RATE = 90, 15
+_FRAMES, _RATE = 68, 12
 _STEPS_BAND = (8.0, 15.0, "$8 < N_c < 15$")
 
 

@@ -15,7 +15,7 @@ from rdpm.studies.pictures import Picture
 from rdpm.studies.registry import CLAIMS, DRAWINGS
 from rdpm.studies.results import StudyResults
 
-__all__ = ["finish"]
+__all__ = ["finish", "finished"]
 
 
 def finish(results: StudyResults, tell: Callable[[str], None] = lambda _: None) -> list[dict[str, Any]]:
@@ -37,6 +37,17 @@ def finish(results: StudyResults, tell: Callable[[str], None] = lambda _: None) 
     The claims of an included study are judged by its own runs, against the widest spread that the whole study knows.
     A drawing or a claim that fails is told, and the others are made.
     """
+    judged, pictures = finished(results, tell)
+    if judged:
+        write_json(results.folder.path / "claims.json", {"claims": judged})
+    write_page(results, judged, pictures)
+    return judged
+
+
+def finished(
+    results: StudyResults, tell: Callable[[str], None]
+) -> tuple[list[dict[str, Any]], dict[str, list[Picture]]]:
+    """Draw and judge as `finish` does: the judged claims, and the pictures by the name of the part."""
     index = results.index
     parts = [(part, results.part(part["name"])) for part in index["parts"]]
     if [part["name"] for part, _ in parts] != [results.name]:
@@ -47,10 +58,7 @@ def finish(results: StudyResults, tell: Callable[[str], None] = lambda _: None) 
         pictures[found.name] = _drawn(found, part["draw"], tell)
         seen = _with_spread(found, results) if part["claims"] else found
         judged += [_judged(seen, name, tell) for name in part["claims"]]
-    if judged:
-        write_json(results.folder.path / "claims.json", {"claims": judged})
-    write_page(results, judged, pictures)
-    return judged
+    return judged, pictures
 
 
 def _drawn(results: StudyResults, names: list[str], tell: Callable[[str], None]) -> list[Picture]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -60,7 +61,10 @@ def write_page(results: StudyResults, judged: Judged, pictures: Pictures) -> Pat
     pathlib.Path
     """
     path = results.folder.path / "page.html"
-    parts = [_html(block, path.parent) for block in content(results, judged, pictures)]
+    parts: list[str] = []
+    for kind, group in groupby(content(results, judged, pictures), key=lambda block: block.kind):
+        made = [_html(block, path.parent) for block in group]
+        parts += [made[0], page.row(made[1:])] if kind == "video" else made
     with replacing(path) as temporary:
         temporary.write_text(page.document(results.title or results.name, parts), encoding="utf-8")
     return path
@@ -159,7 +163,7 @@ def _setup(parts: Sequence[StudyResults]) -> Block:
         count = f"{len(own)}" + (f", and {again} repeated with other numerics" if again else "")
         try:
             sweep = sweep_of(part)
-            what = sweep.about(sweep.runs()[0]).partition(": ")[2]
+            what = sweep.about(sweep.runs()[0]).removeprefix(f"{part.title}: ")
             values = ", ".join(f"{value:g}" for value in sweep.values) if sweep.key else ", ".join(own["run"])
             varied = f"{sweep.name.plain} = {values} {sweep.name.unit}".strip() if sweep.key else values
         except ValueError:
@@ -185,7 +189,8 @@ def _verdicts(judged: Judged) -> Block:
 
 
 def _table(part: StudyResults) -> Block:
-    parameters: dict[str, Any] = next((row["parameters"] for row in part.index["rows"] if row["study"] == part.name), {})
+    mine = [row["parameters"] for row in part.index["rows"] if row["study"] == part.name]
+    parameters: dict[str, Any] = mine[0] if mine else {}
     keys = [key for key in parameters if key in part.table and not key.startswith(("bodies", "time."))]
     keys += ["time.step"] if "time.step" in parameters and "time.step" in part.table else []
     measures = [column for column in SHORT if column in part.table and part.table[column].notna().any()]

@@ -133,7 +133,7 @@ def sweep_of(results: StudyResults) -> Sweep:
     rows = [{str(key): value for key, value in row.items()} for row in own.to_dict("records")]
     if not rows:
         raise ValueError("no run is done")
-    known: dict[str, Any] = next((item["parameters"] for item in results.index["rows"] if item["study"] == rows[0]["study"]), {})
+    known = next(item["parameters"] for item in results.index["rows"] if item["study"] == rows[0]["study"])
     numeric = [
         key for key in known
         if not key.startswith("bodies") and all(np.isfinite(_float(row.get(key))) for row in rows)
