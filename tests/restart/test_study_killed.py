@@ -8,13 +8,13 @@ import time
 
 import pandas
 import pytest
-from studies import MEETING, command, run_bytes, without_time
 
 from rdpm.studies import load
 from rdpm.studies.folder import StudyFolder
 from rdpm.studies.study import run_study
 from rdpm.studies.study_file import load_study
 from rdpm.studies.write import study_to_toml
+from studies import MEETING, command, run_bytes, without_time
 
 pytestmark = pytest.mark.slow
 

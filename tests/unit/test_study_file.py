@@ -3,7 +3,6 @@
 import tomllib
 
 import pytest
-from studies import MEETING, sweep
 
 from rdpm.cases import shipped_studies
 from rdpm.studies.expand import expand, parameters
@@ -12,6 +11,7 @@ from rdpm.studies.registry import DRAWINGS, Drawing
 from rdpm.studies.study_file import load_study
 from rdpm.studies.values import to_values
 from rdpm.studies.write import study_to_toml
+from studies import MEETING, sweep
 
 
 def runs_of(**content):
