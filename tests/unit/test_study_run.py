@@ -66,7 +66,7 @@ def test_one_row_a_run_with_parameters_measures_status_version(done):
 
 
 def test_runs_leave_ordinary_folders_without_fields_and_checkpoints(done):
-    folder, results, _ = done
+    folder, _, _ = done
     home = StudyFolder(folder)
     assert json.loads(home.run("contact_steps-12").summary.read_text())["status"] == "done"
     assert not list((folder / "runs").rglob("*.checkpoint"))
@@ -95,7 +95,7 @@ def test_workers_and_threads_change_no_bit(done, tmp_path):
 
 def test_the_common_start_changes_no_bit_of_an_equal_contact(done, tmp_path):
     """The run with the base's contact is the one that never stopped."""
-    folder, results, _ = done
+    _, results, _ = done
     content = sweep()
     del content["start"]
     whole, _ = run(tmp_path / "whole", content, workers=2)

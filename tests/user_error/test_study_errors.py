@@ -36,7 +36,7 @@ HEAD = '[base]\ncase = "dkt"\n'
         (HEAD + '[vary]\n"time.end" = [1, 1]\n', "must give each run a name of its own (there are two of end-1)"),
         (HEAD + '[start]\nat = "9 s"\n', "4: start.at = 9 s: must be before the end of every run, as is 4 s"),
         (HEAD + 'unset = ["fluidd"]\n', 'must name a key of the case ("fluidd" is not there)'),
-        (HEAD + '[base.set]\n"contact.damping" = 1\n', "must have contact_steps and restitution, stiffness and damping"),
+        (HEAD + '[base.set]\n"contact.damping" = 1\n', "must have contact_steps and restitution, stiffness and"),
         ('include = ["seedd"]\n', 'include[0]: seedd: there is no such study. Did you mean "seed"?'),
         ('include = ["seed"]\n' + HEAD, "base: must not stand beside include"),
         ("[base]\ncase = 'dtk'\n", 'there is no such file. Did you mean "dkt"?'),

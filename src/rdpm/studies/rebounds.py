@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 #: Gap at which speeds are read [diameters], and in cells where these are coarser.
 OUTSIDE, OUTSIDE_CELLS = 0.1, 1.0
 
-#: Of the approach: slower than this at its nearest, a body that did not touch was stopped by the film.
+#: Of the approach: slower than this at its nearest, a body that did not touch was stopped by lubrication.
 STOPPED = 0.1
 
 
