@@ -204,8 +204,8 @@ WRONG = [
         "dkt",
         '"soft-sphere"',
         '"soft-sphere"\nyoungs_modulus = "10 MPa"',
-        ':25: contact.youngs_modulus = 10000000.0: belongs to model = "hertz" (this contact has model = "soft-sphere"). '
-        'Leave it out, or set contact.model = "hertz".',
+        ':25: contact.youngs_modulus = 10000000.0: belongs to model = "hertz" (this contact has model = '
+        '"soft-sphere"). Leave it out, or set contact.model = "hertz".',
     ),
     (
         "dkt",
