@@ -197,15 +197,15 @@ WRONG = [
         "dkt",
         '"soft-sphere"',
         '"hertz"',
-        'contact.contact_steps = 8.0: belongs to model = "soft-sphere" (this contact has model = "hertz"). '
+        ':26: contact.contact_steps = 8.0: belongs to model = "soft-sphere" (this contact has model = "hertz"). '
         'Leave it out, or set contact.model = "soft-sphere".',
     ),
     (
         "dkt",
         '"soft-sphere"',
         '"soft-sphere"\nyoungs_modulus = "10 MPa"',
-        'contact.youngs_modulus = 10000000.0: belongs to model = "hertz" (this contact has model = "soft-sphere"). '
-        'Leave it out, or set contact.model = "hertz".',
+        ':25: contact.youngs_modulus = 10000000.0: belongs to model = "hertz" (this contact has model = '
+        '"soft-sphere"). Leave it out, or set contact.model = "hertz".',
     ),
     (
         "dkt",

@@ -254,7 +254,7 @@ def hertz_duration(
     --------
     >>> k = hertz_stiffness(0.005, 2.5e10)
     >>> round(hertz_duration(0.0058643, k, 20.0) * 1e6, 1), round(hertz_duration(0.0058643, k, 20.0, 0.5) * 1e6, 1)
-    (40.3, 42.6)
+    (40.3, 35.4)
     """
     check_ending(ending)
     e = restitution_in_range(restitution, ending)

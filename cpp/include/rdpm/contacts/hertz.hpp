@@ -37,7 +37,8 @@ struct Hertz {
         Window w{0, 0, 0};
         if (first <= end && last <= end) return w;
         // What has ended does not pull again: round-off may leave a trace of overlap.
-        if (u < 0 && p.may_attract && !a.is_touching && p.k * std::pow(first, 1.25) + p.eta * u <= 0) return w;
+        if (u < 0 && p.may_attract && !a.is_touching && p.k * std::pow(first, 1.25) + p.eta * u <= 0)
+            return w;
         double from = 0, to = 1;
         if (first < 0) from = -first / (u * h);
         if (u < 0 && last < end) to = (end - first) / (u * h);

@@ -49,13 +49,13 @@ concept ContactLaw = requires(const typename Law::Parameters& p, const Approach&
 // A law with a tangential part has two functions more. `slip`: relative velocity of the surfaces in the
 // tangent plane; `inverse_mass` relates it to a tangential impulse; `impulse` is written.
 template <class Law>
-concept TangentialLaw = ContactLaw<Law> && requires(const typename Law::Parameters& p,
-                                                    typename Law::History& history, const Window& w,
-                                                    const double* n, const double* slip, double x,
-                                                    double* impulse) {
-    { Law::has_friction(p) } -> std::same_as<bool>;
-    Law::tangential_impulse(p, history, w, n, slip, /*inverse_mass*/ x, /*h*/ x, /*normal*/ x, impulse);
-};
+concept TangentialLaw =
+    ContactLaw<Law> &&
+    requires(const typename Law::Parameters& p, typename Law::History& history, const Window& w,
+             const double* n, const double* slip, double x, double* impulse) {
+        { Law::has_friction(p) } -> std::same_as<bool>;
+        Law::tangential_impulse(p, history, w, n, slip, /*inverse_mass*/ x, /*h*/ x, /*normal*/ x, impulse);
+    };
 
 // A law whose force acts before the surfaces touch.
 template <class Law>
