@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from contact_laws.constant_force import ConstantForce
-from rdpm.contacts import Contacts, SoftSphere
+from rdpm.contacts import Contacts, HardSphere, SoftSphere
 from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
@@ -17,6 +17,7 @@ from rdpm.particles.state import Bodies
 LAWS = {
     "soft sphere, zero force": (SoftSphere.from_contact_time(0.6, 1e-3, "zero-force", friction=0.3), 0.6),
     "soft sphere, zero overlap": (SoftSphere.from_contact_time(0.6, 1e-3, "zero-overlap", friction=0.3), 0.6),
+    "hard sphere": (HardSphere(0.6, friction=0.3, tangential_restitution=0.4), 0.6),
     "constant force": (ConstantForce(acceleration=200.0, speed=0.1), 1.0),
 }
 ENDLESS = Box((1.0, 1.0, 1.0), ("periodic",) * 3)

@@ -90,7 +90,7 @@ class Contact(Model):
     model: Annotated[ModelName, Choice(get_args(ModelName), later=("hertz", "repulsive"))] = "soft-sphere"
     contact_steps: Annotated[float | None, Quantity("", ge=4.0, le=1000.0)] = None
     restitution: Annotated[
-        float | None, Quantity("", gt=0.0, le=1.0), LeftOut(f"{_RESTITUTION:g} beside `max_overlap`, and of hard spheres")
+        float | None, Quantity("", gt=0.0, le=1.0), LeftOut(f"{_RESTITUTION:g} beside `max_overlap`; of hard spheres")
     ] = None
     stiffness: Annotated[float | None, Quantity("N/m", gt=0.0)] = None
     damping: Annotated[float | None, Quantity("N s/m", ge=0.0)] = None

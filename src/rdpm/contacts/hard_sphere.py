@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 LUBRICATION_INTERVALS = 32
 
 #: Relative speed at a contact at rest that counts as none: of the rest speed, and of the speeds of the step.
-QUIET_REST, QUIET_SPEED = 1e-6, 1e-10
+QUIET_REST, QUIET_SPEED = 1e-4, 1e-10
 
 # The structs of contacts/hard_sphere.hpp.
 _PARAMETERS = np.dtype(
@@ -152,7 +152,8 @@ class HardSphere:
     most_events: int = 100
 
     def __post_init__(self) -> None:
-        for name, most in (("restitution", 1.0), ("friction", inf), ("tangential_restitution", 1.0), ("rest_speed", inf)):
+        limits = {"restitution": 1.0, "friction": inf, "tangential_restitution": 1.0, "rest_speed": inf}
+        for name, most in limits.items():
             value = getattr(self, name)
             if not (0.0 <= value <= most and value < inf):
                 rule = "must be a finite number of at least 0" + (f" and at most {most:g}" if most < inf else "")

@@ -10,17 +10,30 @@ from numpy.typing import NDArray
 
 from rdpm import design
 from rdpm.config.case import Case
-from rdpm.contacts import ContactLaw, SoftSphere
+from rdpm.contacts import ContactLaw, HardSphere, SoftSphere
 from rdpm.design.verdicts import LEAST_CONTACT_STEPS
-from rdpm.setup.hard_sphere import hard_sphere
 
-__all__ = ["AUTO_OVERLAP", "MOST_GROUPS", "Kind", "PairKind", "contact_law", "contact_limit", "kinds_of_pairs", "pairs"]
+__all__ = [
+    "AUTO_OVERLAP",
+    "MOST_GROUPS",
+    "REST_HEIGHT",
+    "Kind",
+    "PairKind",
+    "contact_law",
+    "contact_limit",
+    "hard_sphere",
+    "kinds_of_pairs",
+    "pairs",
+]
 
 #: Dry overlap at the bodies' own speed, of the diameter, that an automatic step may lead to; wet kisses stay far below.
 AUTO_OVERLAP = 0.025
 
 #: Different bodies up to which every kind of pair is told apart.
 MOST_GROUPS = 4
+
+#: Rise of a rebound, over the smallest diameter, below which a pair is at rest where the case does not say.
+REST_HEIGHT = 1e-5
 
 Floats = NDArray[np.float64]
 
@@ -150,6 +163,26 @@ def contact_law(case: Case, dt: float) -> ContactLaw:
     ContactLaw
     """
     return hard_sphere(case) if case.contact.model == "hard-sphere" else _soft_sphere(case, dt)
+
+
+def hard_sphere(case: Case) -> HardSphere:
+    """Make the law of a case of hard spheres.
+
+    Parameters
+    ----------
+    case : Case
+
+    Returns
+    -------
+    HardSphere
+    """
+    c = case.contact
+    rest = c.rest_speed
+    if rest is None:
+        smallest = float(case.expanded_bodies().diameter.min(initial=math.inf))
+        gravity = float(np.linalg.norm(case.domain.gravity))
+        rest = math.sqrt(2.0 * gravity * REST_HEIGHT * smallest) if math.isfinite(smallest) else 0.0
+    return HardSphere(float(c.restitution or 0.0), c.friction, c.tangential_restitution, rest, c.most_events)
 
 
 def _soft_sphere(case: Case, dt: float) -> SoftSphere:

@@ -1,43 +1,16 @@
-"""Hard spheres of a case: their law, and what a reader is told of them."""
+"""What a reader is told of the hard spheres of a case."""
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
-
 from rdpm import design
 from rdpm.config.case import Case
-from rdpm.contacts import HardSphere
+from rdpm.setup.contact import hard_sphere
 from rdpm.setup.rows import PlanRow
 
-__all__ = ["REST_HEIGHT", "hard_sphere", "hard_sphere_rows"]
-
-#: Rise of a rebound, over the smallest diameter, below which a pair is at rest where the case does not say.
-REST_HEIGHT = 1e-5
+__all__ = ["hard_sphere_rows"]
 
 #: Contact steps of the soft sphere that a hard one is compared with.
 COMPARED_STEPS = 8.0
-
-
-def hard_sphere(case: Case) -> HardSphere:
-    """Make the law of a case of hard spheres.
-
-    Parameters
-    ----------
-    case : Case
-
-    Returns
-    -------
-    HardSphere
-    """
-    c = case.contact
-    rest = c.rest_speed
-    if rest is None:
-        smallest = float(case.expanded_bodies().diameter.min(initial=math.inf))
-        gravity = float(np.linalg.norm(case.domain.gravity))
-        rest = math.sqrt(2.0 * gravity * REST_HEIGHT * smallest) if math.isfinite(smallest) else 0.0
-    return HardSphere(float(c.restitution or 0.0), c.friction, c.tangential_restitution, rest, c.most_events)
 
 
 def hard_sphere_rows(case: Case, dt: float, fall: float) -> list[PlanRow]:

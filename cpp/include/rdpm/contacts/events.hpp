@@ -44,8 +44,11 @@ struct Events {
 };
 
 // Of the smaller diameter: a contact at rest ends where its gap is wider.
-inline constexpr double kRestGap = 1e-9;
-inline constexpr int kMostSweeps = 500;
+inline constexpr double kRestGap = 1e-7;
+
+// Of the rest speed: one that opens faster ends too.
+inline constexpr double kOpening = 0.1;
+inline constexpr int kMostSweeps = 200;
 
 class EventLoop {
   public:
@@ -80,6 +83,7 @@ class EventLoop {
 
   private:
     bool is_at_rest(std::int64_t k) const { return task_.pairs.state[k].phase == kTouching; }
+    bool is_opening(double u) const { return -u > std::max(task_.quiet, kOpening * task_.rest_speed); }
     bool may_bounce(std::int64_t k) const { return task_.events[k] < task_.most_events; }
     Partners partners(std::int64_t k) const {
         return partners_of(b_, task_.box, task_.pairs.ids[2 * k], task_.pairs.ids[2 * k + 1]);
@@ -138,7 +142,8 @@ class EventLoop {
         const Geometry g = meet(p);
         const double left = task_.length - now_;
         if (is_at_rest(k)) {
-            const bool is_due = !task_.pair_work[k].is_held || std::abs(closing(p, g.n)) > task_.quiet;
+            const double u = closing(p, g.n);
+            const bool is_due = !task_.pair_work[k].is_held || u > task_.quiet || is_opening(u);
             schedule_.set(k, is_due ? now_ : kNever);
             return;
         }
@@ -401,7 +406,7 @@ class EventLoop {
             const Partners p = partners(k);
             const double u = closing(p, task_.pair_work[k].n);
             task_.pairs.state[k].rebound_speed = -u;
-            const bool is_open = u < -task_.quiet || -meet(p).overlap > kRestGap * p.smaller_diameter;
+            const bool is_open = is_opening(u) || -meet(p).overlap > kRestGap * p.smaller_diameter;
             if (is_open && may_bounce(k))
                 release(k);
             else
