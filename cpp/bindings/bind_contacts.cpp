@@ -13,6 +13,7 @@
 #include "rdpm/contacts/events.hpp"
 #include "rdpm/contacts/motion.hpp"
 #include "rdpm/contacts/neighbours.hpp"
+#include "rdpm/contacts/separate.hpp"
 #include "rdpm/contacts/soft_sphere.hpp"
 #include "rdpm/contacts/substeps.hpp"
 
@@ -227,7 +228,9 @@ struct Incidence {
         for (std::size_t b = 1; b < first.size(); ++b) first[b] += first[b - 1];
         std::vector<std::int32_t> at(first.begin(), first.end() - 1);
         for (std::int64_t k = 0; k < m; ++k)
-            bodies(k, [&](std::size_t b) { pairs[static_cast<std::size_t>(at[b]++)] = static_cast<std::int32_t>(k); });
+            bodies(k, [&](std::size_t b) {
+                pairs[static_cast<std::size_t>(at[b]++)] = static_cast<std::int32_t>(k);
+            });
     }
 };
 
@@ -270,11 +273,30 @@ std::tuple<double, std::int64_t, std::int64_t, std::int64_t, std::int64_t> run_e
     std::vector<std::int32_t> tree(static_cast<std::size_t>(2 * contacts::Schedule::leaves(m)));
     std::vector<std::int32_t> cluster(size), cluster_bodies(count);
     std::vector<std::uint8_t> is_marked(size), is_body_marked(count);
-    const contacts::EventTask task{bodies, b, moved, actives, rows_of_pairs, done, capacity,
-                                   incidence.first.data(), incidence.pairs.data(), body_work.data(),
-                                   pair_work.data(), due.data(), tree.data(), cluster.data(),
-                                   cluster_bodies.data(), is_marked.data(), is_body_marked.data(), counts,
-                                   start, length, rest_speed, quiet, most_events, is_new};
+    const contacts::EventTask task{bodies,
+                                   b,
+                                   moved,
+                                   actives,
+                                   rows_of_pairs,
+                                   done,
+                                   capacity,
+                                   incidence.first.data(),
+                                   incidence.pairs.data(),
+                                   body_work.data(),
+                                   pair_work.data(),
+                                   due.data(),
+                                   tree.data(),
+                                   cluster.data(),
+                                   cluster_bodies.data(),
+                                   is_marked.data(),
+                                   is_body_marked.data(),
+                                   counts,
+                                   start,
+                                   length,
+                                   rest_speed,
+                                   quiet,
+                                   most_events,
+                                   is_new};
     const contacts::Events e = contacts::EventLoop(task).run();
     return {e.reached, e.finished, e.collisions, e.rested, e.capped};
 }
@@ -354,9 +376,9 @@ void bind_contacts(nb::module_& module) {
                nb::arg("angular_acceleration"), nb::arg("inverse_mass"), nb::arg("inverse_moment"),
                nb::arg("radius"), nb::arg("impulse"), nb::arg("angular_impulse"), nb::arg("contact_impulse"),
                nb::arg("active"), nb::arg("pairs"), nb::arg("parameters"), nb::arg("lubrication"),
-               nb::arg("state"), nb::arg("history"), nb::arg("finished"), nb::arg("events"),
-               nb::arg("start"), nb::arg("length"), nb::arg("rest_speed"), nb::arg("quiet"),
-               nb::arg("most_events"), nb::arg("is_new"));
+               nb::arg("state"), nb::arg("history"), nb::arg("finished"), nb::arg("events"), nb::arg("start"),
+               nb::arg("length"), nb::arg("rest_speed"), nb::arg("quiet"), nb::arg("most_events"),
+               nb::arg("is_new"));
     module.def("separate", &separate, nb::arg("box"), nb::arg("position"), nb::arg("inverse_mass"),
                nb::arg("radius"), nb::arg("pairs"));
     module.def("end_step", &end_step, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
