@@ -15,6 +15,7 @@
 #include "rdpm/contacts/motion.hpp"
 #include "rdpm/contacts/neighbours.hpp"
 #include "rdpm/contacts/repulsive.hpp"
+#include "rdpm/contacts/separate.hpp"
 #include "rdpm/contacts/soft_sphere.hpp"
 #include "rdpm/contacts/substeps.hpp"
 

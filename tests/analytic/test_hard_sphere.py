@@ -68,7 +68,8 @@ def test_a_ball_bounces_as_the_closed_form_says_for_any_step(dt):
     touches = fall * np.cumsum([1.0, 2.0 * e, 2.0 * e**2])[: len(episodes)]
     np.testing.assert_allclose(episodes["start_s"], touches, rtol=1e-12)
     np.testing.assert_allclose(episodes["restitution"], e, rtol=1e-12)
-    assert (episodes["duration_s"] == 0.0).all() and (episodes["max_overlap_fraction"] == 0.0).all()
+    assert (episodes["duration_s"] == 0.0).all()
+    assert (episodes["max_overlap_fraction"] == 0.0).all()
 
 
 def sliding_rows():
@@ -88,7 +89,7 @@ def test_gross_sliding_is_exact(row):
     assert ball.velocity[0, 2] == pytest.approx(e * v * math.cos(theta), rel=1e-12)
 
 
-@pytest.mark.parametrize("e, mu, beta", [(0.97, 0.092, 0.44), (0.87, 0.25, 0.43), (0.831, 0.125, 0.31)])
+@pytest.mark.parametrize(("e", "mu", "beta"), [(0.97, 0.092, 0.44), (0.87, 0.25, 0.43), (0.831, 0.125, 0.31)])
 def test_an_impact_sticks_or_slides_after_walton(e, mu, beta):
     """Soda-lime glass and cellulose acetate (Foerster et al. 1994): Psi_2 = -beta Psi_1, or Psi_1 - 7/2 mu (1 + e)."""
     for psi in (0.05, 0.2, 0.5, 0.8, 1.2, 2.0, 4.0):
@@ -132,7 +133,8 @@ def test_three_spheres_meet_in_the_order_of_time():
                     v[j] += impulse
                     met.append((i, j))
     episodes = contacts.take_episodes()
-    assert len(met) >= 4 and list(zip(episodes["i"], episodes["j"], strict=True)) == met
+    assert len(met) >= 4
+    assert list(zip(episodes["i"], episodes["j"], strict=True)) == met
     np.testing.assert_allclose(one.velocity, v, atol=5e-3)   # of the first order in h: the normal is met late
     np.testing.assert_allclose(one.position, x, atol=5e-5)
 
@@ -155,7 +157,8 @@ def test_momentum_is_kept_energy_never_grows_and_nothing_overlaps():
     assert sum(r.collisions for r in results) > 500
     scale = np.sum(gas.mass) * 0.3
     np.testing.assert_allclose(gas.mass @ gas.velocity, before, atol=1e-13 * scale)
-    assert np.diff(energies).max() <= 1e-14 * energies[0] and energies[-1] < 0.5 * energies[0]
+    assert np.diff(energies).max() <= 1e-14 * energies[0]
+    assert energies[-1] < 0.5 * energies[0]
 
 
 def test_a_bouncing_ball_comes_to_rest_and_stays():
@@ -165,8 +168,10 @@ def test_a_bouncing_ball_comes_to_rest_and_stays():
     results = run(contacts, 0.5, 1e-3, (0, 0, -G))
     speed = math.sqrt(2.0 * G * height)
     bounces = math.floor(math.log(1e-3 / speed) / math.log(e)) + 1
-    assert sum(r.collisions for r in results) == bounces and sum(r.rested for r in results) == 1
-    assert sum(r.capped for r in results) == 0 and results[-1].touching == 1
+    assert sum(r.collisions for r in results) == bounces
+    assert sum(r.rested for r in results) == 1
+    assert sum(r.capped for r in results) == 0
+    assert results[-1].touching == 1
     assert ball.velocity[0, 2] == pytest.approx(0.0, abs=1e-12)
     assert ball.position[0, 2] - 0.5 * D == pytest.approx(0.0, abs=1e-12 * D)
     # The floor carries the weight, as an impulse.
@@ -177,8 +182,10 @@ def test_without_a_rest_speed_the_most_events_end_the_collapse():
     ball = spheres([0.05, 0.05, 0.5 * D + 1e-3])
     contacts = Contacts(ball, BOX, HardSphere(0.5, most_events=20))
     results = run(contacts, 0.1, 0.1, (0, 0, -G))
-    assert [r.collisions for r in results] == [20] and results[0].capped == 1
-    assert abs(ball.position[0, 2] - 0.5 * D) < 1e-12 * D and abs(ball.velocity[0, 2]) < 1e-9
+    assert [r.collisions for r in results] == [20]
+    assert results[0].capped == 1
+    assert abs(ball.position[0, 2] - 0.5 * D) < 1e-12 * D
+    assert abs(ball.velocity[0, 2]) < 1e-9
 
 
 def heap() -> Bodies:
@@ -261,7 +268,7 @@ def test_a_body_that_cannot_give_way_stops_the_run():
 
 
 def test_a_free_slip_face_does_not_rub_and_a_moving_wall_drags():
-    for kind, expected in (("free-slip", 0.2), ("wall", 0.2 - 0.3 * 1.5 * 0.4)):
+    for kind, _expected in (("free-slip", 0.2), ("wall", 0.2 - 0.3 * 1.5 * 0.4)):
         box = Box((0.1, 0.1, 0.4), (("wall",) * 2 + (kind,)), np.zeros((6, 3)))
         ball = spheres([0.05, 0.05, 0.5 * D + 1e-4], velocity=[[1.0, 0, -0.4]])
         run(Contacts(ball, box, HardSphere(0.5, 0.3)), 5e-3, 5e-3)

@@ -97,6 +97,23 @@ def substeps() -> Call:
     return Call(_core.run_substeps, arguments, written)
 
 
+def events() -> Call:
+    """One interval of two spheres."""
+    layouts, hard = _core.contact_layouts(), _core.hard_sphere_layouts()
+    given = substeps().arguments
+    kept = ("box", "position", "radius", "velocity", "angular_velocity", "rotation", "impulse", "angular_impulse",
+            "contact_impulse", "inverse_mass", "inverse_moment", "active", "pairs", "lubrication", "state")  # fmt: skip
+    arguments = {name: given[name] for name in kept} | {
+        "acceleration": values(BODIES, 3), "angular_acceleration": values(BODIES, 3),
+        "parameters": np.zeros((2, 3)).view(np.uint8), "history": bytes_of(hard["history"], 2),
+        "finished": bytes_of(layouts["finished"], 8), "events": np.zeros(2, np.int64), "start": 0.0, "length": 1e-3,
+        "rest_speed": 0.0, "quiet": 1e-9, "most_events": 5, "is_new": True,
+    }  # fmt: skip
+    written = ("position", "velocity", "angular_velocity", "rotation", "impulse", "angular_impulse", "contact_impulse",
+               "state", "history", "finished", "events")  # fmt: skip
+    return Call(_core.run_events, arguments, written)
+
+
 FLOW, TENDENCY, RATE = ("u", "v", "w"), ("tendency_u", "tendency_v", "tendency_w"), ("rate_u", "rate_v", "rate_w")
 GRID = {"cells": CELLS, "spacing": (1.0,) * 3, "boundary": (0,) * 3, "wall_velocity": (0.0,) * 18, "threads": 1}
 
@@ -200,6 +217,13 @@ CALLS: dict[str, Callable[[], Call]] = {
     "hertz_kernel": lambda: Call(_core.hertz_kernel, {}),
     "repulsive_kernel": lambda: Call(_core.repulsive_kernel, {}),
     "run_substeps": substeps,
+    "hard_sphere_layouts": lambda: Call(_core.hard_sphere_layouts, {}),
+    "run_events": events,
+    "separate": lambda: Call(
+        _core.separate,
+        spheres() | {"inverse_mass": np.ones(BODIES), "pairs": np.array([[0, -1], [0, 1]], np.int32)},
+        ("position",),
+    ),
     "end_step": lambda: Call(
         _core.end_step,
         {name: array for name, array in spheres().items() if name != "radius"}

@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 LUBRICATION_INTERVALS = 32
 
 #: Relative speed at a contact at rest that counts as none: of the rest speed, and of the speeds of the step.
-QUIET_REST, QUIET_SPEED = 1e-6, 1e-10
+QUIET_REST, QUIET_SPEED = 1e-4, 1e-10
 
 # The structs of contacts/hard_sphere.hpp.
 _PARAMETERS = np.dtype(

@@ -1,51 +1,16 @@
 // The driver of hard spheres: collisions in order of time over one interval, contacts at rest as constant
 // forces between them.
 #pragma once
-#include "rdpm/contacts/hard_sphere.hpp"
+#include "rdpm/contacts/event_task.hpp"
 
 namespace rdpm::contacts {
 
-// Room of the driver, from Python.
-struct BodyWork {
-    double time;  // of its state, since the interval began
-    double force[3], torque[3];  // by contacts at rest, constant until they are solved again
-    double v[3], w[3];
-};
-struct PairWork {
-    double n[3], lever_i, lever_j, inverse_tangential;
-    double normal, tangential[3];  // impulses while contacts at rest are solved
-    double force[3], twist[3];     // on i, of a contact at rest
-    bool is_held;                  // its force holds for the present contacts of both
-};
-
-struct EventTask {
-    BodyArrays bodies;  // dv and dw: accelerations by the non-contact load
-    Box box;
-    const std::int32_t* active;
-    std::int64_t actives;
-    PairArrays pairs;
-    Finished* finished;
-    std::int64_t capacity;
-    const std::int32_t *first, *incident;  // pairs of each body: (N + 1,), (2 M,)
-    BodyWork* body_work;
-    PairWork* pair_work;
-    double* due;                                    // (M,)
-    std::int32_t *tree, *cluster, *cluster_bodies;  // (2 leaves,), (M,), (N,)
-    std::uint8_t *is_marked, *is_body_marked;               // (M,), (N,): false
-    std::int64_t* events;                           // (M,) collisions in the step
-    double start, length, rest_speed, quiet;
-    std::int64_t most_events;
-    bool is_new;  // lubrication acts once an interval
-};
-
-struct Events {
-    double reached;  // less than the interval's length where `finished` is full
-    std::int64_t finished, collisions, rested, capped;
-};
-
 // Of the smaller diameter: a contact at rest ends where its gap is wider.
-inline constexpr double kRestGap = 1e-9;
-inline constexpr int kMostSweeps = 500;
+inline constexpr double kRestGap = 1e-7;
+
+// Of the rest speed: one that opens faster ends too.
+inline constexpr double kOpening = 0.1;
+inline constexpr int kMostSweeps = 200;
 
 class EventLoop {
   public:
@@ -80,6 +45,7 @@ class EventLoop {
 
   private:
     bool is_at_rest(std::int64_t k) const { return task_.pairs.state[k].phase == kTouching; }
+    bool is_opening(double u) const { return -u > std::max(task_.quiet, kOpening * task_.rest_speed); }
     bool may_bounce(std::int64_t k) const { return task_.events[k] < task_.most_events; }
     Partners partners(std::int64_t k) const {
         return partners_of(b_, task_.box, task_.pairs.ids[2 * k], task_.pairs.ids[2 * k + 1]);
@@ -108,25 +74,13 @@ class EventLoop {
     // Both partners at present; the pair's geometry is returned.
     Geometry meet(const Partners& p) {
         advance(p.i);
-        if (p.j < 0) return wall_geometry(task_.box, b_.x + 3 * p.i, b_.radius[p.i], static_cast<int>(-1 - p.j));
+        if (p.j < 0)
+            return wall_geometry(task_.box, b_.x + 3 * p.i, b_.radius[p.i], static_cast<int>(-1 - p.j));
         advance(p.j);
         return sphere_geometry(task_.box, b_.x + 3 * p.i, b_.x + 3 * p.j, b_.radius[p.i], b_.radius[p.j]);
     }
 
-    double closing(const Partners& p, const double* n) const {
-        double u = 0;
-        for (int d = 0; d < 3; ++d) u += (b_.v[3 * p.i + d] - p.vj[d]) * n[d];
-        return u;
-    }
-
-    void slip(const Partners& p, const double* n, double lever_i, double lever_j, double u, double* s) const {
-        double roll[3];
-        for (int d = 0; d < 3; ++d) roll[d] = lever_i * b_.w[3 * p.i + d] + lever_j * p.wj[d];
-        for (int d = 0; d < 3; ++d) {
-            const int e = (d + 1) % 3, f = (d + 2) % 3;
-            s[d] = b_.v[3 * p.i + d] - p.vj[d] - u * n[d] + roll[e] * n[f] - roll[f] * n[e];
-        }
-    }
+    double closing(const Partners& p, const double* n) const { return closing_speed(b_, p, n); }
 
     double acceleration(std::int64_t id, int d) const {
         return b_.dv[3 * id + d] + task_.body_work[id].force[d] * b_.inverse_mass[id];
@@ -138,7 +92,8 @@ class EventLoop {
         const Geometry g = meet(p);
         const double left = task_.length - now_;
         if (is_at_rest(k)) {
-            const bool is_due = !task_.pair_work[k].is_held || std::abs(closing(p, g.n)) > task_.quiet;
+            const double u = closing(p, g.n);
+            const bool is_due = !task_.pair_work[k].is_held || u > task_.quiet || is_opening(u);
             schedule_.set(k, is_due ? now_ : kNever);
             return;
         }
@@ -169,7 +124,8 @@ class EventLoop {
         const Geometry g = meet(p);
         const double h = task_.length - now_, inverse_mass = p.inverse_mass_i + p.inverse_mass_j;
         double a = 0;
-        for (int d = 0; d < 3; ++d) a += (acceleration(p.i, d) - (p.j < 0 ? 0 : acceleration(p.j, d))) * g.n[d];
+        for (int d = 0; d < 3; ++d)
+            a += (acceleration(p.i, d) - (p.j < 0 ? 0 : acceleration(p.j, d))) * g.n[d];
         const double u = closing(p, g.n), half_path = 0.5 * h * (u + 0.5 * h * a);
         const double lambda = task_.pairs.lubrication[k].mean_resistance(-g.overlap - half_path, half_path);
         if (lambda == 0) return;
@@ -207,7 +163,7 @@ class EventLoop {
         const double inverse_tangential = inverse_mass + g.lever_i * g.lever_i * p.inverse_moment_i +
                                           g.lever_j * g.lever_j * p.inverse_moment_j;
         double s[3];
-        slip(p, g.n, g.lever_i, g.lever_j, u, s);
+        slip_at(b_, p, g.n, g.lever_i, g.lever_j, u, s);
         const CollisionImpulse j = collision_impulse(laws_[k], u, s, inverse_mass, inverse_tangential);
         apply(b_, p, g, {j.normal, 0}, j.tangential);
         const double work = -j.normal * (u - 0.5 * j.normal * inverse_mass) - dot(j.tangential, s) +
@@ -228,7 +184,8 @@ class EventLoop {
         const Partners p = partners(k);
         add_force(k, p, -1);
         task_.pair_work[k] = PairWork{};
-        task_.finished[out_.finished++] = {k, s.start, task_.start + now_, 0, s.impact_speed, s.rebound_speed, s.work};
+        task_.finished[out_.finished++] = {
+            k, s.start, task_.start + now_, 0, s.impact_speed, s.rebound_speed, s.work};
         s = ContactState{};
         histories_[k] = HardSphere::History{};
         let_go(p.i);
@@ -277,8 +234,8 @@ class EventLoop {
         for (std::int64_t at = 0; at < bodies_; ++at) task_.is_body_marked[task_.cluster_bodies[at]] = false;
     }
 
-    // Contacts at rest around pair k: the fastest that may bounce does; else all stop closing, those that open
-    // are released, and the others get the force that keeps them closed until the interval ends.
+    // Contacts at rest around pair k: the fastest that may bounce does; else all stop closing, those that
+    // open are released, and the others get the force that keeps them closed until the interval ends.
     void solve_rest(std::int64_t k) {
         gather(k);
         std::int64_t fastest = -1;
@@ -319,12 +276,14 @@ class EventLoop {
         for (int d = 0; d < 3; ++d) w.n[d] = g.n[d], w.force[d] = w.twist[d] = 0;
         w.lever_i = g.lever_i;
         w.lever_j = g.lever_j;
-        w.inverse_tangential = p.inverse_mass_i + p.inverse_mass_j + g.lever_i * g.lever_i * p.inverse_moment_i +
+        w.inverse_tangential = p.inverse_mass_i + p.inverse_mass_j +
+                               g.lever_i * g.lever_i * p.inverse_moment_i +
                                g.lever_j * g.lever_j * p.inverse_moment_j;
     }
 
     // Velocities of both by impulses of a pair, recorded or not.
-    void push(const Partners& p, const PairWork& w, double normal, const double* tangential, bool is_recorded) {
+    void push(const Partners& p, const PairWork& w, double normal, const double* tangential,
+              bool is_recorded) {
         for (int d = 0; d < 3; ++d) {
             const int e = (d + 1) % 3, f = (d + 2) % 3;
             const double all = -normal * w.n[d] - tangential[d];
@@ -366,7 +325,7 @@ class EventLoop {
         double tangential[3] = {0, 0, 0};
         if (laws_[k].friction > 0) {
             double s[3];
-            slip(p, w.n, w.lever_i, w.lever_j, u, s);
+            slip_at(b_, p, w.n, w.lever_i, w.lever_j, u, s);
             for (int d = 0; d < 3; ++d) tangential[d] = w.tangential[d] + s[d] / w.inverse_tangential;
             const double size = std::sqrt(dot(tangential, tangential)), limit = laws_[k].friction * normal;
             if (size > limit)
@@ -401,7 +360,7 @@ class EventLoop {
             const Partners p = partners(k);
             const double u = closing(p, task_.pair_work[k].n);
             task_.pairs.state[k].rebound_speed = -u;
-            const bool is_open = u < -task_.quiet || -meet(p).overlap > kRestGap * p.smaller_diameter;
+            const bool is_open = is_opening(u) || -meet(p).overlap > kRestGap * p.smaller_diameter;
             if (is_open && may_bounce(k))
                 release(k);
             else
@@ -461,41 +420,5 @@ class EventLoop {
     std::int64_t clustered_ = 0, bodies_ = 0;
     Events out_{0, 0, 0, 0, 0};
 };
-
-struct Gaps {
-    double smallest, largest_overlap;  // largest overlap: of the smaller diameter
-    std::int64_t deepest;              // its pair
-};
-
-// What round-off and unfinished sweeps left of overlaps is pushed out, in proportion to the inverse masses.
-inline Gaps separate(double* x, const double* inverse_mass, const double* radius, const Box& box,
-                     const std::int32_t* ids, std::int64_t count) {
-    constexpr double allowed = 1e-13;
-    Gaps gaps{};
-    for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
-        gaps = {kNever, 0, -1};
-        for (std::int64_t k = 0; k < count; ++k) {
-            const std::int64_t i = ids[2 * k], j = ids[2 * k + 1];
-            const Geometry g =
-                j < 0 ? wall_geometry(box, x + 3 * i, radius[i], static_cast<int>(-1 - j))
-                      : sphere_geometry(box, x + 3 * i, x + 3 * j, radius[i], radius[j]);
-            gaps.smallest = std::min(gaps.smallest, -g.overlap);
-            const double smaller = 2 * (j < 0 ? radius[i] : std::min(radius[i], radius[j]));
-            if (g.overlap > gaps.largest_overlap * smaller) {
-                gaps.largest_overlap = g.overlap / smaller;
-                gaps.deepest = k;
-            }
-            if (g.overlap <= allowed * smaller) continue;
-            const double mass_j = j < 0 ? 0 : inverse_mass[j];
-            const double shift = g.overlap / (inverse_mass[i] + mass_j);
-            for (int d = 0; d < 3; ++d) {
-                x[3 * i + d] -= shift * inverse_mass[i] * g.n[d];
-                if (j >= 0) x[3 * j + d] += shift * mass_j * g.n[d];
-            }
-        }
-        if (gaps.largest_overlap <= allowed) break;
-    }
-    return gaps;
-}
 
 }  // namespace rdpm::contacts
