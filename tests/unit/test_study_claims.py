@@ -19,7 +19,9 @@ from rdpm.studies.claims import (
     Trend,
     judge,
     judge_each,
+    judge_study,
 )
+from rdpm.studies.claims.of_study import widest_spreads
 from rdpm.studies.measures import QUANTITIES
 from rdpm.studies.spread import Spread, spread_of, spreads_of
 
@@ -253,3 +255,76 @@ def test_kissing_on_a_made_up_sweep():
     assert kissing.verdict == "within the spread"
     lubricated = [row | {"contact.lubrication": True} for row in rows]
     assert judge(CLAIMS["kissing-grows-with-stiffness"], lubricated, spreads).verdict == "not judged"
+
+
+class Study:
+    """What is used of a study's results; records stand for the DataFrame."""
+
+    def __init__(self, folder, rows):
+        self.folder, self.rows = folder, rows
+
+    @property
+    def table(self):
+        return self
+
+    def to_dict(self, orient):
+        assert orient == "records"
+        return self.rows
+
+    def run_folder(self, name, study=""):
+        return self.folder / study / name
+
+
+def study_of(tmp_path, lubrication="false"):
+    """Two stiffnesses, one of them repeated with other numerics, and a run that failed."""
+    rows = []
+    for name, k, kisses, repeats, status in (
+        ("soft", 1.0, 1, "", "done"), ("stiff", 500.0, 2, "", "done"), ("lost", 900.0, 0, "", "failed"),
+        ("soft-1", 1.0, 1, "soft", "done"), ("soft-2", 1.0, 1, "soft", "done"),
+    ):  # fmt: skip
+        folder = tmp_path / "sweep" / name
+        folder.mkdir(parents=True)
+        contact = f"[contact]\nstiffness = {k}\ndamping = 0.1\nlubrication = {lubrication}\n"
+        (folder / "case.toml").write_text(f"[fluid]\nviscosity = 0.113\n{contact}")
+        rows.append({"study": "sweep", "run": name, "spread_of": repeats, "status": status, K: k,
+                     "contact_kisses": kisses})  # fmt: skip
+    return Study(tmp_path, rows)
+
+
+def test_a_study_is_judged_by_its_table_cases_and_repetitions(tmp_path):
+    found = judge_study(CLAIMS["kissing-grows-with-stiffness"], study_of(tmp_path))
+    assert (found.verdict, found.runs) == ("confirmed", ("soft", "stiff"))
+    assert "(n = 3)" in found.sentence
+    assert judge_study(CLAIMS["hertz-lower-limit"], study_of(tmp_path / "other")).verdict == "contradicted"
+
+
+def test_what_all_runs_share_is_read_from_their_cases(tmp_path):
+    """The talk's runs have no lubrication; the table of a sweep does not say so."""
+    found = judge_study(CLAIMS["kissing-grows-with-stiffness"], study_of(tmp_path, "true"))
+    assert found.verdict == "not judged"
+
+
+def test_resolutions_are_not_mixed(tmp_path):
+    study = study_of(tmp_path)
+    fine = [row | {"run": f"fine-{row['run']}", "contact_kisses": 1} for row in study.rows[:2]]
+    for row in fine:
+        (tmp_path / "sweep" / row["run"]).mkdir()
+        (tmp_path / "sweep" / row["run"] / "case.toml").write_text(
+            "[fluid]\nviscosity = 0.113\n[contact]\ndamping = 0.1\nlubrication = false\n"
+        )
+    for rows, cells in ((study.rows, 8.0), (fine, 12.0)):
+        for row in rows:
+            row["resolution.cells_per_diameter"] = cells
+    found = judge_study(CLAIMS["kissing-grows-with-stiffness"], Study(tmp_path, study.rows + fine))
+    assert (found.verdict, found.runs) == ("confirmed", ("soft", "stiff"))
+    assert found.sentence.endswith("This is at 8 cells a diameter. At 12: within the spread.")
+
+
+def test_of_several_repeated_runs_the_widest_spread_counts():
+    rows = [
+        {"run": run, "spread_of": "" if n == 0 else run[:1], "tumble_start_s": value}
+        for values, runs in (((2.6, 2.8), ("a", "a1")), ((2.7, 2.72), ("b", "b1")))
+        for n, (run, value) in enumerate(zip(runs, values, strict=True))
+    ]
+    assert widest_spreads(rows, ["tumble_start_s"])["tumble_start_s"].center == pytest.approx(2.7)
+    assert widest_spreads(rows[:1], ["tumble_start_s"]) == {}

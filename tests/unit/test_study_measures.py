@@ -64,7 +64,7 @@ def falling(run, back, wall=-5, rows=1001):
     v = np.where(t < 1.0, -0.1, 0.1 * back - 0.2 * (t - 1.0) * back)
     z = np.where(t < 1.0, -0.1 * (t - 1.0), back * (0.1 * (t - 1.0) - 0.1 * (t - 1.0) ** 2))
     height, speed = (0.5 * D + z, v) if wall == -5 else (run.box[2] - 0.5 * D - z, -v)
-    position, velocity = np.zeros((rows, 1, 3)), np.zeros((rows, 1, 3))
+    position, velocity = np.tile(0.5 * run.box, (rows, 1, 1)), np.zeros((rows, 1, 3))
     position[:, 0, 2], velocity[:, 0, 2] = height, speed
     tracks = replace(run.tracks, times=t, position=position, velocity=velocity, gap=z[:, None])
     contacts = {name: column[1:] for name, column in run.contacts.items()}
@@ -79,10 +79,11 @@ def test_a_rebound(pair, wall):
     found = first_rebound(falling(pair, 0.8, wall))
     # Read at a gap of one cell, 2.5 mm: on the way back 0.08 sqrt(1 - 4 * 0.0025 / 0.08) m/s.
     assert found["approach_speed_m_s"] == pytest.approx(0.1)
+    assert found["rebound_speed_m_s"] == pytest.approx(0.1 * found["wet_restitution"])
     assert found["wet_restitution"] == pytest.approx(0.8 * np.sqrt(1.0 - 0.0025 / 0.02), rel=1e-3)
     # Highest half a second after the impact: 0.25 * 0.08 m.
     assert found["rebound_height_m"] == pytest.approx(0.02, rel=1e-6)
-    assert found["wall_stokes_number"] == pytest.approx(1120.0 * 0.1 * D / (9.0 * 0.113))
+    assert found["approach_stokes_number"] == pytest.approx(1120.0 * 0.1 * D / (9.0 * 0.113))
 
 
 def test_coarse_rows_give_the_height_all_the_same(pair):
@@ -93,6 +94,22 @@ def test_a_body_that_stays_at_the_wall_has_no_rebound(pair):
     found = first_rebound(falling(pair, 0.0))
     assert found["wet_restitution"] == 0.0
     assert found["rebound_height_m"] is None
+
+
+def test_a_body_that_the_film_stops_has_no_rebound_either(pair):
+    stopped = replace(falling(pair, 0.0), contacts=None)
+    found = first_rebound(stopped)
+    assert (found["approach_speed_m_s"], found["wet_restitution"]) == (pytest.approx(0.1), 0.0)
+    # A record that ends during the approach says nothing.
+    early = {name: getattr(stopped.tracks, name)[:300] for name in ("times", "position", "velocity", "gap")}
+    assert set(first_rebound(replace(stopped, tracks=replace(stopped.tracks, **early))).values()) == {None}
+
+
+def test_where_it_ended(pair):
+    found = MEASURES["end"](falling(pair, 0.8))
+    # One second after the impact it falls through the wall's height again: 0.08 (1 - 2) m/s.
+    assert found["end_speed_m_s"] == pytest.approx(0.08)
+    assert (found["end_gap_m"], found["end_height_m"]) == (pytest.approx(0.0), pytest.approx(0.5 * D))
 
 
 def test_no_wall_no_rebound(pair):

@@ -112,7 +112,7 @@ def _number(value: Any) -> float:
 def draw_wet_restitution(results: StudyResults, folder: Path) -> list[Picture]:
     """Rebound from a wall against the Stokes number, with Legendre's curve, and dry."""
     sweep = sweep_of(results)
-    stokes, wet = sweep.column("wall_stokes_number"), sweep.column("wet_restitution")
+    stokes, wet = sweep.column("approach_stokes_number"), sweep.column("wet_restitution")
     first = sweep.column("first_restitution")
     is_dry = ~np.isfinite(stokes)
     seen = np.isfinite(stokes) & np.isfinite(wet)

@@ -76,12 +76,13 @@ QUANTITIES: dict[str, Quantity] = {
     "settling_speed_mean_m_s": Quantity("m/s", "of all bodies' centre, to the first kiss or the end"),
     "max_speed_m_s": Quantity("m/s", "largest speed of any body"),
     "min_gap_m": Quantity("m", "smallest gap of any body to another or a wall, of the rows"),
-    "end_gap_m": Quantity("m", "smallest gap of any body at the end"),
-    "end_speed_m_s": Quantity("m/s", "largest speed of any body at the end"),
-    "end_height_m": Quantity("m", "height of the lowest centre at the end"),
+    "end_gap_m": Quantity("m", "the same in the last row"),
+    "end_speed_m_s": Quantity("m/s", "largest speed of any body in the last row"),
+    "end_height_m": Quantity("m", "lowest centre in the last row"),
     "approach_speed_m_s": Quantity("m/s", "speed towards the wall before the first impact, outside of lubrication"),
-    "wall_stokes_number": Quantity("-", "Stokes number of that speed", "log"),
-    "wet_restitution": Quantity("-", "speed outside of lubrication after the first impact over that before"),
+    "approach_stokes_number": Quantity("-", "Stokes number of that speed", "log"),
+    "rebound_speed_m_s": Quantity("m/s", "speed away from the wall after it, at the same gap; 0 where it stays nearer"),
+    "wet_restitution": Quantity("-", "their ratio"),
     "rebound_height_m": Quantity("m", "largest gap between the first two impacts on the wall"),
     "normal_stiffness_N_m": Quantity("N/m", "of the first kind of pair", "log"),
     "normal_damping_N_s_m": Quantity("N s/m", "of the first kind of pair"),
@@ -156,6 +157,19 @@ def contact_columns(run: Run) -> Columns:
     return found
 
 
+def end_columns(run: Run) -> Columns:
+    """Where the bodies are at the end: ``end_gap_m, end_speed_m_s, end_height_m``."""
+    tracks = run.tracks
+    if tracks is None or not tracks.times.size:
+        return {"end_gap_m": None, "end_speed_m_s": None, "end_height_m": None}
+    gaps = tracks.gap[-1][np.isfinite(tracks.gap[-1])]
+    return {
+        "end_gap_m": float(gaps.min()) if gaps.size else None,
+        "end_speed_m_s": _number(np.linalg.norm(tracks.velocity[-1], axis=-1).max()),
+        "end_height_m": _number(tracks.position[-1, :, 2].min()),
+    }
+
+
 def motion_columns(run: Run) -> Columns:
     """Speeds and the smallest gap.
 
@@ -166,6 +180,8 @@ def motion_columns(run: Run) -> Columns:
         centre over its time, so that the interval of the rows does not matter.
     """
     speeds = [body.max_speed_m_s for body in run.summary.bodies if body.max_speed_m_s is not None]
+    if run.tracks is not None and run.tracks.times.size:   # the summary knows nothing of what lies before a checkpoint
+        speeds.append(float(np.linalg.norm(run.tracks.velocity, axis=-1).max()))
     names = ("settling_speed_max_m_s", "settling_speed_mean_m_s", "min_gap_m")
     found: Columns = dict.fromkeys(names, None) | {"max_speed_m_s": max(speeds, default=None)}
     tracks, down = run.tracks, _down(run)
@@ -183,18 +199,6 @@ def motion_columns(run: Run) -> Columns:
         fallen = np.interp(end, tracks.times, depth) - depth[0]
         found["settling_speed_mean_m_s"] = _number(fallen / (end - tracks.times[0]))
     return found
-
-
-def end_columns(run: Run) -> Columns:
-    """Where the run ended: ``end_gap_m, end_speed_m_s, end_height_m``."""
-    tracks = run.tracks
-    if tracks is None or not tracks.times.size:
-        return dict.fromkeys(("end_gap_m", "end_speed_m_s", "end_height_m"), None)
-    return {
-        "end_gap_m": _number(np.nanmin(tracks.gap[-1], initial=np.inf)),
-        "end_speed_m_s": _number(np.linalg.norm(tracks.velocity[-1], axis=-1).max(initial=-np.inf)),
-        "end_height_m": _number(tracks.position[-1, :, 2].min(initial=np.inf)),
-    }
 
 
 def design_columns(run: Run) -> Columns:
@@ -285,7 +289,7 @@ def _number(value: Any) -> float | None:
 MEASURES: dict[str, Callable[[Run], Mapping[str, float | None]]] = {
     "dkt": pair_columns,
     "contacts": contact_columns,
-    "motion": motion_columns,
+    "extremes": motion_columns,
     "end": end_columns,
     "rebound": first_rebound,
     "design": design_columns,

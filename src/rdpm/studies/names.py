@@ -51,7 +51,7 @@ SHORT = {
     "settling_speed_max_m_s": "largest settling speed",
     "final_angle_deg": "angle at the end",
     "wet_restitution": "restitution in the fluid",
-    "wall_stokes_number": "Stokes number",
+    "approach_stokes_number": "Stokes number",
     "damping_ratio": "damping ratio",
     "end_height_m": "height at the end",
 }

@@ -17,6 +17,9 @@ Floats = NDArray[np.float64]
 #: Gap at which speeds are read [diameters], and in cells where these are coarser.
 OUTSIDE, OUTSIDE_CELLS = 0.1, 1.0
 
+#: Of the approach: slower than this at its nearest, a body that did not touch was stopped by the film.
+STOPPED = 0.1
+
 
 def first_rebound(run: Run) -> dict[str, float | None]:
     r"""Speeds before and after the first impact on a wall, their ratio, and the height of the rebound.
@@ -29,32 +32,36 @@ def first_rebound(run: Run) -> dict[str, float | None]:
     -------
     dict
         ``approach_speed_m_s`` at the last passage, before the impact, of a gap of 0.1 d (one cell if that is more):
-        there the resolved fluid, not the film, decides. ``wet_restitution``: the speed at which the body passes the
-        same gap on its way back over that; 0 where it does not come so far before the next impact or within the
-        record. ``wall_stokes_number`` :math:`\rho_p v d/(9\mu)` of the approach. ``rebound_height_m``: largest gap
-        until the next impact, by a parabola through three rows. None where there is no impact on a wall, the approach
-        begins nearer, or, for the height, the body still rises at the end of the record.
+        there the resolved fluid, not the film, decides. ``rebound_speed_m_s``: that at which the body passes the same
+        gap on its way back; 0 where it does not come so far before the next impact or within the record.
+        ``wet_restitution``: their ratio. ``approach_stokes_number`` :math:`\rho_p v d/(9\mu)` of the approach.
+        ``rebound_height_m``: largest gap until the next impact, by a parabola through three rows. None where there is
+        no impact on a wall, the approach begins nearer, or, for the height, the body still rises at the end of the
+        record. A single body that the film stops before it touches has met the wall where it came nearest, if it had
+        lost 90 % of the approach there.
     """
-    names = ("approach_speed_m_s", "wet_restitution", "wall_stokes_number", "rebound_height_m")
+    names = (
+        "approach_speed_m_s", "rebound_speed_m_s", "wet_restitution", "approach_stokes_number", "rebound_height_m"
+    )  # fmt: skip
     found: dict[str, float | None] = dict.fromkeys(names, None)
-    impact = _first_impact(run)
+    impact = _first_impact(run) or _nearest_wall(run)
     if impact is None or run.tracks is None:
         return found
     body, wall, start, following = impact
     t = run.tracks.times
-    axis, upper = divmod(-1 - wall, 2)
-    centre, speed = run.tracks.position[:, body, axis], run.tracks.velocity[:, body, axis]
+    gap, away = _from_wall(run, body, wall)
     d = float(run.diameter[body])
-    gap = (run.box[axis] - centre if upper else centre) - 0.5 * d
-    away = -speed if upper else speed
     level = max(OUTSIDE * d, OUTSIDE_CELLS * max(run.summary.spacing_m or (0.0,)))
     before, after = np.flatnonzero(t <= start), np.flatnonzero((t > start) & (t < following))
     approach = _passage(gap[before][::-1], -away[before][::-1], level)
+    touched = run.contacts is not None and bool(np.any(run.contacts["j"] < 0))
+    if not touched and (approach is None or abs(away[before][-1]) > STOPPED * approach or gap[before][-1] > level):
+        return found
     if approach is not None and approach > 0.0:
-        back = _passage(gap[after], away[after], level)
-        found["approach_speed_m_s"] = approach
-        found["wet_restitution"] = (back or 0.0) / approach
-        found["wall_stokes_number"] = _stokes(run, body, d, approach)
+        back = _passage(gap[after], away[after], level) or 0.0
+        found["approach_speed_m_s"], found["rebound_speed_m_s"] = approach, back
+        found["wet_restitution"] = back / approach
+        found["approach_stokes_number"] = _stokes(run, body, d, approach)
     found["rebound_height_m"] = _top(t[after], gap[after])
     return found
 
@@ -69,6 +76,27 @@ def _first_impact(run: Run) -> tuple[int, int, float, float] | None:
     body, wall, start = int(rows["i"][first]), int(rows["j"][first]), float(rows["start_s"][first])
     same = (rows["i"] == body) & (rows["j"] == wall) & (rows["start_s"] > start)
     return body, wall, start, float(np.min(rows["start_s"][same], initial=np.inf))
+
+
+def _nearest_wall(run: Run) -> tuple[int, int, float, float] | None:
+    """The same of a single body that touched no wall: the one it came nearest to, and when."""
+    if run.tracks is None or run.tracks.count != 1 or not run.tracks.times.size:
+        return None
+    walls = [-1 - 2 * axis - upper for axis in range(3) if not run.periodic[axis] for upper in (0, 1)]
+    nearest = {wall: _from_wall(run, 0, wall)[0] for wall in walls}
+    if not nearest:
+        return None
+    wall = min(nearest, key=lambda one: float(nearest[one].min()))
+    return 0, wall, float(run.tracks.times[np.argmin(nearest[wall])]), float("inf")
+
+
+def _from_wall(run: Run, body: int, wall: int) -> tuple[Floats, Floats]:
+    """Gap to a wall and speed away from it at the times of the rows."""
+    assert run.tracks is not None
+    axis, upper = divmod(-1 - wall, 2)
+    centre, speed = run.tracks.position[:, body, axis], run.tracks.velocity[:, body, axis]
+    gap = (run.box[axis] - centre if upper else centre) - 0.5 * run.diameter[body]
+    return gap, -speed if upper else speed
 
 
 def _passage(gap: Floats, speed: Floats, level: float) -> float | None:

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Protocol
 
 from rdpm.results.run_folder import RunFolder
 from rdpm.studies.claims.claim import Claim, Computed, Insensitive, Judgement, Limit, Trend
-from rdpm.studies.claims.judging import judge
-from rdpm.studies.spread import Spread, spread_of
+from rdpm.studies.claims.judging import judge, judge_each
+from rdpm.studies.spread import Spread, number, spread_of
 
 __all__ = ["case_columns", "judge_study", "parameters_of", "quantities_of", "widest_spreads"]
+
+
+RESOLUTION = "resolution.cells_per_diameter"
+NOT_JUDGED = "not judged"
 
 
 class _Results(Protocol):
@@ -40,20 +45,29 @@ def judge_study(claim: Claim, results: _Results) -> Judgement:
     Notes
     -----
     Only runs that are done count. A parameter that the table does not have, as all runs share it, is read from the
-    ``case.toml`` of each run. Repetitions (``spread_of``) give the spread and are not judged themselves.
+    ``case.toml`` of each run. Repetitions (``spread_of``) give the spread and are not judged themselves. Resolutions
+    are not mixed: the verdict is that of the one with most runs, the sentence adds those of the others.
     """
     if isinstance(claim.expected, Computed):
         return judge(claim, (), {})
     rows = [row for row in results.table.to_dict("records") if row.get("status", "done") == "done"]
     spreads = widest_spreads(rows, quantities_of(claim))
-    own, keys = [], parameters_of(claim)
+    own: list[dict[str, Any]] = []
+    keys = (*parameters_of(claim), RESOLUTION)
     for row in rows:
         if _text(row.get("spread_of")):
             continue
         files = RunFolder(results.run_folder(str(row["run"]), _text(row.get("study"))))
         case = tomllib.loads(files.case.read_text(encoding="utf-8")) if files.case.is_file() else {}
         own.append(row | case_columns(case, [key for key in keys if key not in row]))
-    return judge(claim, own, spreads)
+    resolutions = [row[RESOLUTION] for row in own if number(row, RESOLUTION) is not None]
+    if not resolutions:
+        return judge(claim, own, spreads)
+    found = judge_each(claim, own, spreads, RESOLUTION)
+    most = max(found, key=lambda value: (found[value].verdict != NOT_JUDGED, resolutions.count(value)))
+    others = [f"At {n:g}: {one.verdict}." for n, one in found.items() if n != most and one.verdict != NOT_JUDGED]
+    text = " ".join([found[most].sentence, *([f"This is at {most:g} cells a diameter."] if others else []), *others])
+    return replace(found[most], sentence=text)
 
 
 def quantities_of(claim: Claim) -> tuple[str, ...]:
