@@ -103,9 +103,10 @@ class Display:
         work = {name: max(job.cells, 1) * max(job.steps, 1) for name, job in self._jobs.items()}
         done = sum(work[name] * share for name, share in self._share.items() if name in work)
         elapsed = clock.monotonic() - self._first
-        if done <= 0.0 or elapsed < 1.0:
+        total = sum(work.values())
+        if done < 0.02 * total or elapsed < 1.0:  # processes that start say nothing of the rate yet
             return None
-        return max(0.0, sum(work.values()) - done) * elapsed / done
+        return max(0.0, total - done) * elapsed / done
 
     def _open(self) -> None:
         from rich.console import Console

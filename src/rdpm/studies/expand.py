@@ -140,7 +140,8 @@ def _labelled(key: str, value: Any, number: int) -> str:
 def _check_names(study: LoadedStudy, names: list[str]) -> None:
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
-        raise CaseError(study.name, None, "must give each run a name of its own", f"there are two of {twice[0]}",
+        place = next(study.place(key) for key in ("vary", "linked", "runs") if getattr(study.file, key))
+        raise CaseError(place, None, "must give each run a name of its own", f"there are two of {twice[0]}",
                         "Leave the doubled value out, or name the rows.")  # fmt: skip
 
 
