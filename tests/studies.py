@@ -30,7 +30,7 @@ def sweep(**more):
     """Two contacts, from a common checkpoint shortly before."""
     return {
         "name": "sweep", "base": {"case": MEETING}, "start": {"at": 0.0015},
-        "vary": {"contact.contact_steps": [12, 20]}, "measure": ["contacts", "motion"], **more,
+        "vary": {"contact.contact_steps": [12, 20]}, "measure": ["contacts", "extremes"], **more,
     }
 
 

@@ -6,8 +6,9 @@ import pytest
 
 from rdpm.cases import shipped_studies
 from rdpm.studies.expand import expand, parameters
+from rdpm.studies.pictures import Drawing
 from rdpm.studies.prepare import prepare
-from rdpm.studies.registry import DRAWINGS, Drawing
+from rdpm.studies.registry import DRAWINGS
 from rdpm.studies.study_file import load_study
 from rdpm.studies.values import to_values
 from rdpm.studies.write import study_to_toml

@@ -10,8 +10,10 @@ import rdpm
 from rdpm.results.dkt import pair_gap
 from rdpm.runs.runner import run_case
 from rdpm.studies import load
+from rdpm.studies.claims import Claim, Computed, Judgement
 from rdpm.studies.folder import StudyFolder
-from rdpm.studies.registry import CLAIMS, DRAWINGS, Drawing, Judgement
+from rdpm.studies.pictures import Drawing, Picture
+from rdpm.studies.registry import CLAIMS, DRAWINGS
 from rdpm.studies.study import run_study
 from rdpm.studies.study_file import load_study
 from studies import MEETING, command, run_bytes, sweep, without_time
@@ -154,25 +156,21 @@ def test_included_studies_have_their_parts(tmp_path):
 def test_drawings_and_claims_are_made_by_name(tmp_path, monkeypatch):
     def draw(results, folder):
         (folder / "a.txt").write_text(",".join(results.runs()["run"]))
-        return [folder / "a.txt"]
+        return [Picture(folder / "a.txt", "Names.")]
 
-    def fewer(results, limit):
-        most = int(results.runs()["contacts"].max())
-        return Judgement("confirmed" if most < limit else "contradicted", f"{most} contacts", ("contact_steps-12",))
-
-    def broken(results):
+    def broken():
         raise ValueError("no such column")
 
     monkeypatch.setitem(DRAWINGS, "names", Drawing(draw))
-    monkeypatch.setitem(CLAIMS, "fewer", fewer)
-    monkeypatch.setitem(CLAIMS, "broken", broken)
-    claims = [{"claim": "broken"}, {"claim": "fewer", "text": "One contact.", "options": {"limit": 2}}]
+    monkeypatch.setitem(CLAIMS, "known", Claim("known", "", "", Computed(lambda: Judgement("confirmed", "Two.")), "So."))
+    monkeypatch.setitem(CLAIMS, "broken", Claim("broken", "", "", Computed(broken), ""))
+    claims = ["broken", "known"]
     told = []
     run(tmp_path / "s", sweep(draw=["names"], claims=claims), tell=told.append)
     assert (tmp_path / "s/figures/sweep/a.txt").read_text() == "contact_steps-12,contact_steps-20"
     judged = json.loads((tmp_path / "s/claims.json").read_text())["claims"]
-    assert [(item["verdict"], item["reason"]) for item in judged] == [
-        (None, "not judged: no such column"), ("confirmed", "1 contacts"),
+    assert [(item["verdict"], item["sentence"], item["reason"]) for item in judged] == [
+        ("not judged", "no such column", ""), ("confirmed", "Two.", "So."),
     ]
     assert told == ["sweep: the claim broken was not judged: no such column"]
 

@@ -73,8 +73,8 @@ class Contact(Model):
     ----------
     model
         How surfaces act on each other, bodies and walls alike. `soft-sphere`: a linear spring and dashpot; `hertz`:
-        elastic solids, damped; `hard-sphere`: an impulse at the touch, without overlap; `repulsive`: a short-range force
-        that keeps surfaces apart, without friction.
+        elastic solids, damped; `hard-sphere`: an impulse at the touch, without overlap; `repulsive`: a short-range
+        force that keeps surfaces apart, without friction.
     contact_steps
         Duration of every contact in fluid steps; with `restitution`.
     restitution

@@ -289,7 +289,7 @@ def _number(value: Any) -> float | None:
 MEASURES: dict[str, Callable[[Run], Mapping[str, float | None]]] = {
     "dkt": pair_columns,
     "contacts": contact_columns,
-    "motion": motion_columns,
+    "extremes": motion_columns,
     "end": end_columns,
     "rebound": first_rebound,
     "design": design_columns,

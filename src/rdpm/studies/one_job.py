@@ -76,7 +76,7 @@ def do_job(folder: StudyFolder, job: Job, threads: int | None = None, tell: Tell
     -----
     A run that was broken off continues from its newest checkpoint, to the same bits; without one, or if it was another
     run, its folder is emptied first. The checkpoints of a run that is done are removed, those of a start kept; of its
-    fields one plane is kept.
+    fields one plane is kept where the study draws from it.
     """
     files = folder.work(job)
     files.path.mkdir(parents=True, exist_ok=True)
@@ -85,14 +85,15 @@ def do_job(folder: StudyFolder, job: Job, threads: int | None = None, tell: Tell
     if before is not None and before.is_final:
         return before
     record = _tried(folder, job, files, before is not None, threads, tell)
-    if record.status == DONE:
+    is_reduced = record.status == DONE and folder.read_index()["keeps_plane"]
+    if is_reduced:
         keep_plane(files)
     folder.write_record(job, record)
-    if record.status == DONE:
+    if is_reduced:
         for path in (files.fields, files.bodies):
             path.unlink(missing_ok=True)
-        if not job.is_start:
-            shutil.rmtree(files.checkpoints, ignore_errors=True)
+    if record.status == DONE and not job.is_start:
+        shutil.rmtree(files.checkpoints, ignore_errors=True)
     return record
 
 

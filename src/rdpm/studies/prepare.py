@@ -19,6 +19,7 @@ from rdpm.setup.rows import EXPECTED_NS
 from rdpm.studies.cases import base_raw
 from rdpm.studies.expand import StudyRun, expand, parameters
 from rdpm.studies.folder import Job, StudyFolder
+from rdpm.studies.registry import DRAWINGS
 from rdpm.studies.study_file import LoadedStudy
 from rdpm.studies.write import study_to_toml
 
@@ -202,6 +203,7 @@ def _index(prepared: Prepared, command: str) -> dict[str, Any]:
         "title": study.file.title,
         "question": study.file.question,
         "command": command,
+        "keeps_plane": any(DRAWINGS[name].needs_fields for part in _leaves(study) for name in part.file.draw),
         "parts": [
             {
                 "name": part.name, "title": part.file.title, "question": part.file.question,

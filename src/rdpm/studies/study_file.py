@@ -226,7 +226,7 @@ class StudyFile(Model):
         BeforeValidator(lambda value: tuple(placed(n, _columns, item) for n, item in enumerate(_tables(value)))),
     ] = ()
     runs: Annotated[tuple[Row, ...], BeforeValidator(_tables)] = ()
-    measure: Annotated[tuple[str, ...], _names_of(MEASURES)] = ("contacts", "motion")
+    measure: Annotated[tuple[str, ...], _names_of(MEASURES)] = ("contacts", "extremes")
     draw: Annotated[tuple[str, ...], _names_of(DRAWINGS)] = ()
     claims: Annotated[tuple[str, ...], _names_of(CLAIMS)] = ()
     spread: Spread | None = None
