@@ -32,7 +32,7 @@ def first_rebound(run: Run) -> dict[str, float | None]:
     -------
     dict
         ``approach_speed_m_s`` at the last passage, before the impact, of a gap of 0.1 d (one cell if that is more):
-        there the resolved fluid, not the correction, decides. ``rebound_speed_m_s``: that at which the body passes the same
+        there the resolved fluid, not the correction, decides. ``rebound_speed_m_s``: that at which it passes the same
         gap on its way back; 0 where it does not come so far before the next impact or within the record.
         ``wet_restitution``: their ratio. ``approach_stokes_number`` :math:`\rho_p v d/(9\mu)` of the approach.
         ``rebound_height_m``: largest gap until the next impact, by a parabola through three rows. None where there is
