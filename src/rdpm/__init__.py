@@ -10,19 +10,20 @@ from rdpm.parallel.threads import wait_passively
 wait_passively()   # before anything loads the kernels
 
 __version__ = "0.1.0"
-__all__ = ["Simulation", "Study", "design", "load_case"]
+__all__ = ["Simulation", "Study", "design", "load_case", "results", "run"]
 
 _HOME = {
     "Simulation": "rdpm.setup.build",
     "Study": "rdpm.studies.study",
     "load_case": "rdpm.config.load",
+    "run": "rdpm.runs.run",
 }
 
 
 def __getattr__(name: str) -> Any:
     # Loaded on first use: `rdpm info` and the design functions need neither the solver nor the case models.
-    if name == "design":
-        return importlib.import_module("rdpm.design")
+    if name in {"design", "results"}:
+        return importlib.import_module(f"rdpm.{name}")
     if name in _HOME:
         return getattr(importlib.import_module(_HOME[name]), name)
     raise AttributeError(f"module 'rdpm' has no attribute {name!r}")

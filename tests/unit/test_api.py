@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rdpm
+import rdpm.errors
 from rdpm.fluid.diffusion import stages_for
 
 SMALL = [
@@ -120,7 +121,7 @@ def test_design_is_there_and_agrees_with_the_plan() -> None:
 
 
 def test_the_public_names_are_those_promised() -> None:
-    assert set(rdpm.__all__) == {"Simulation", "Study", "design", "load_case"}
+    assert set(rdpm.__all__) == {"Simulation", "Study", "design", "load_case", "results", "run"}
     with pytest.raises(AttributeError, match="has no attribute 'Simulatoin'"):
         rdpm.Simulatoin  # noqa: B018
 
@@ -159,3 +160,67 @@ def test_stages_grow_with_the_root_of_the_step() -> None:
         longest = 0.85 * euler * (stages**2 + stages - 2) / 4.0
         assert stages_for(0.999 * longest, h, nu) == stages
         assert stages_for(1.001 * longest, h, nu) == stages + 1
+
+
+BEAD = {
+    "domain": {"size": [0.1, 0.1, 0.1]},
+    "bodies": [{"diameter": 0.01, "density": 2500.0, "centers": [[0.05, 0.05, 0.006]]}],
+    "contact": {"restitution": 0.9, "contact_steps": 10},
+    "time": {"end": 0.1, "step": 1e-3},
+    "output": {"report": False},
+}
+
+
+def test_a_run_from_python_makes_the_folder_of_the_command(tmp_path) -> None:
+    times: list[float] = []
+    found = rdpm.run(rdpm.load_case(BEAD), tmp_path / "made" / "here", on_step=lambda sim: times.append(sim.time))
+    assert len(times) == found.summary.steps == 100
+    from rdpm.config.load import case_to_toml
+
+    (tmp_path / "bead.toml").write_text(case_to_toml(rdpm.load_case(BEAD)))
+    from rdpm.cli import main as cli
+
+    assert cli.main(["run", str(tmp_path / "bead.toml"), "--out", str(tmp_path / "other"), "--quiet"]) == 0
+    here, other = ({p.relative_to(f).as_posix() for p in f.rglob("*")} for f in (found.folder.path, tmp_path / "other"))
+    assert here == other
+    for name in ("particles.csv", "contacts.csv", "history.csv", "case.toml"):
+        assert (found.folder.path / name).read_bytes() == (tmp_path / "other" / name).read_bytes()
+    with pytest.raises(rdpm.errors.CaseError, match="must be new or empty"):
+        rdpm.run(BEAD, found.folder.path)
+
+
+def test_results_are_pandas_and_xarray(tmp_path) -> None:
+    changes = ["time.end=0.02", "output.fields_every=0.01", "output.report=false"]
+    rdpm.run(rdpm.load_case("dkt", [*SMALL, *changes]), tmp_path / "run")
+    found = rdpm.results.open(tmp_path / "run")
+    assert list(found.particles["id"].iloc[:2]) == [0, 1]
+    assert found.history["time_s"].iloc[-1] == pytest.approx(0.02)
+    assert len(found.fields) == len(found.fields.times) > 1
+    last = found.fields[-1]
+    assert float(last["time"]) == found.fields.times[-1]
+    assert last["velocity"].dims == ("z", "y", "x", "component")
+    assert last["pressure"].sizes == {"z": len(last.z), "y": len(last.y), "x": len(last.x)}
+    assert float(last.x[0]) == pytest.approx(0.5 * float(last.x[1] - last.x[0]))
+    assert float(last["velocity"].sel(component="z").min()) < 0.0
+    with pytest.raises(rdpm.errors.CaseError, match="must be the folder of a run"):
+        rdpm.results.open(tmp_path)
+
+
+def test_cases_are_changed_by_keys_and_tables() -> None:
+    case = rdpm.load_case("dkt", {"contact.restitution": 0.8, "bodies[0].density": "1200 kg/m^3"})
+    assert (case.contact.restitution, case.bodies[0].density) == (0.8, 1200.0)
+    other = case.replace({"fluid.viscosity": "0.2 Pa s"}, title="thicker")
+    assert (other.fluid.viscosity, other.title, other.contact) == (0.2, "thicker", case.contact)
+    assert case.fluid.viscosity == 0.113
+    with pytest.raises(rdpm.errors.CaseError, match=r"contact\.restitution = 1\.5"):
+        case.replace({"contact.restitution": 1.5})
+    with pytest.raises(rdpm.errors.CaseError, match=r"fluid\.viscosty"):
+        rdpm.load_case("dkt", {"fluid.viscosty": 1.0})
+
+
+def test_a_path_where_a_case_is_wanted(tmp_path) -> None:
+    from rdpm.config.load import case_to_toml
+
+    path = tmp_path / "bead.toml"
+    path.write_text(case_to_toml(rdpm.load_case(BEAD)))
+    assert rdpm.Simulation(path).case == rdpm.Simulation(str(path)).case == rdpm.Simulation(BEAD).case

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BeforeValidator, StrictStr, ValidationInfo, field_validator, model_validator
+from pydantic import BeforeValidator, StrictStr, ValidationError, ValidationInfo, field_validator, model_validator
 
 from rdpm.config.bodies import BodyGroup, Gap, Motion
 from rdpm.config.contact import DEFAULT_CONTACT, Contact
@@ -13,7 +14,10 @@ from rdpm.config.domain import Domain, Fluid
 from rdpm.config.fields import Model
 from rdpm.config.numerics import Resolution, Time
 from rdpm.config.output import Output
+from rdpm.config.overrides import set_values
+from rdpm.config.problems import Known, first_problem
 from rdpm.config.rule import RuleError
+from rdpm.config.write import content
 
 if TYPE_CHECKING:
     from rdpm.config.placement import BodyTable
@@ -205,6 +209,40 @@ class Case(Model):
             and any(self.domain.gravity)
             and not self.fluid.is_driven
         )
+
+    def replace(self, changes: Mapping[str, Any] | None = None, **tables: Any) -> Case:
+        """Return a case in which some values are others; all else stays, defaults that were filled in included.
+
+        Parameters
+        ----------
+        changes : mapping of str to object, optional
+            Dotted keys and their values, in SI or with a unit, such as ``{"fluid.viscosity": "0.2 Pa s"}``.
+        **tables
+            Whole tables, or the title; a table is replaced, not merged.
+
+        Returns
+        -------
+        Case
+
+        Raises
+        ------
+        CaseError
+            The changed case is wrong; the message names the key.
+
+        Examples
+        --------
+        >>> import rdpm
+        >>> case = rdpm.load_case("dkt")
+        >>> other = case.replace({"contact.restitution": 0.8}, fluid={"density": 962.0, "viscosity": 0.2})
+        >>> other.contact.restitution, other.fluid.viscosity, other.time == case.time, case.contact.restitution
+        (0.8, 0.2, True, 0.5)
+        """
+        raw = content(self)
+        places = set_values(raw, {**tables, **(changes or {})})
+        try:
+            return type(self).model_validate(raw)
+        except ValidationError as error:
+            raise first_problem(error, raw, places, "", Known("case", type(self), {})) from None
 
     def expanded_bodies(self) -> BodyTable:
         """Return all bodies one by one, lattices and packings placed.

@@ -6,7 +6,7 @@ then in the order of the file.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from rdpm.config.body_file import read_body_files
 from rdpm.config.case import Case
 from rdpm.config.lines import line_numbers
-from rdpm.config.overrides import apply_overrides
+from rdpm.config.overrides import apply_overrides, set_values
 from rdpm.config.problems import Known, first_problem
 from rdpm.config.rule import Path as KeyPath
 from rdpm.config.source import case_name, parse_toml, read_source
@@ -37,15 +37,16 @@ _CURES = {
 _KNOWN = Known("case", Case, _CURES)
 
 
-def load_case(source: str | Path | dict[str, Any], overrides: Sequence[str] = ()) -> Case:
+def load_case(source: str | Path | dict[str, Any], overrides: Sequence[str] | Mapping[str, Any] = ()) -> Case:
     """Load a case and check all that the case alone can tell.
 
     Parameters
     ----------
     source : str, Path or dict
         A shipped name (``"dkt"``; it goes before a file of that name), a path, or what such a file holds.
-    overrides : sequence of str, optional
-        ``key=value`` each, as ``--set``: the value is TOML, or a string where it does not parse.
+    overrides : sequence of str, or mapping of str to object, optional
+        ``key=value`` each, as ``--set``: the value is TOML, or a string where it does not parse. Or keys such as
+        ``"contact.restitution"`` and their values, as a dict.
 
     Returns
     -------
@@ -66,6 +67,8 @@ def load_case(source: str | Path | dict[str, Any], overrides: Sequence[str] = ()
     >>> case = load_case("dkt", ["time.end=10 ms"])
     >>> case.time.end, case.fluid.viscosity
     (0.01, 0.113)
+    >>> load_case("dkt", {"contact.restitution": 0.8, "time.end": "10 ms"}).contact.restitution
+    0.8
     """
     places: dict[KeyPath, str] = {}
     label, folder = "", Path()
@@ -76,7 +79,10 @@ def load_case(source: str | Path | dict[str, Any], overrides: Sequence[str] = ()
             text, label, folder = read_source(source)
             raw = parse_toml(text, label)
             places = {path: f"{label}:{line}" for path, line in line_numbers(text).items()}
-        set_by = apply_overrides(raw, [overrides] if isinstance(overrides, str) else overrides)
+        if isinstance(overrides, Mapping):
+            set_by = set_values(raw, overrides)
+        else:
+            set_by = apply_overrides(raw, [overrides] if isinstance(overrides, str) else overrides)
         # a value set from outside hides the lines of what it replaces
         places = {
             path: place

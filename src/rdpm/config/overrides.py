@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rdpm.config.rule import Path, shown
 from rdpm.errors import CaseError
 
-__all__ = ["apply_overrides", "set_value", "unset_value"]
+__all__ = ["apply_overrides", "set_value", "set_values", "unset_value"]
 
 _STEP = re.compile(r"([A-Za-z0-9_-]+)((?:\[\d{1,9}\])*)")
 
@@ -87,6 +87,42 @@ def set_value(raw: dict[str, Any], key: str, value: Any, place: str) -> None:
     {'bodies': [{'density': 1120}]}
     """
     _put(raw, _path(key, place), value, place)
+
+
+def set_values(raw: dict[str, Any], values: Mapping[str, Any]) -> dict[Path, str]:
+    """Set values in a nested dict by their dotted keys. Changes `raw`.
+
+    Parameters
+    ----------
+    raw : dict
+        What a case file holds.
+    values : mapping of str to object
+        As TOML gives them.
+
+    Returns
+    -------
+    dict
+        The paths that were set, each with its key.
+
+    Raises
+    ------
+    CaseError
+        A key that cannot be, an item that is not there.
+
+    Examples
+    --------
+    >>> raw = {"bodies": [{"density": 1000}]}
+    >>> set_values(raw, {"bodies[0].density": 1120, "time.end": 2})
+    {('bodies', 0, 'density'): 'bodies[0].density', ('time', 'end'): 'time.end'}
+    >>> raw
+    {'bodies': [{'density': 1120}], 'time': {'end': 2}}
+    """
+    places: dict[Path, str] = {}
+    for key, value in values.items():
+        path = _path(key, key)
+        _put(raw, path, value, key)
+        places[path] = key
+    return places
 
 
 def unset_value(raw: dict[str, Any], key: str, place: str) -> None:

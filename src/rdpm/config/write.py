@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rdpm.config.fields import Model
 
-if TYPE_CHECKING:
-    from rdpm.config.case import Case
-
-__all__ = ["case_to_toml"]
+__all__ = ["case_to_toml", "content"]
 
 _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 
 
-def case_to_toml(case: Case) -> str:
+def case_to_toml(case: Model) -> str:
     """Write a case as TOML that loads back to an equal case.
 
     Parameters
@@ -34,14 +31,27 @@ def case_to_toml(case: Case) -> str:
     >>> load_case(tomllib.loads(case_to_toml(case))) == case
     True
     """
-    content = _plain(case)
-    lines = [f"title = {_text(content.pop('title'))}"]
-    for name, value in content.items():
+    found = content(case)
+    lines = [f"title = {_text(found.pop('title'))}"]
+    for name, value in found.items():
         tables = value if isinstance(value, list) else [value]
         header = f"[[{name}]]" if isinstance(value, list) else f"[{name}]"
         for table in tables:
             lines += ["", header, *(f"{key} = {_value(item)}" for key, item in table.items())]
     return "\n".join(lines) + "\n"
+
+
+def content(case: Model) -> dict[str, Any]:
+    """What a case file with all of a case would hold.
+
+    Examples
+    --------
+    >>> from rdpm.config.load import load_case
+    >>> content(load_case("dkt"))["fluid"]["viscosity"]
+    0.113
+    """
+    found: dict[str, Any] = _plain(case)
+    return found
 
 
 def _plain(value: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol
@@ -51,6 +52,7 @@ def run_case(
     resume: bool = False,
     start: tuple[Path, float | None] | None = None,
     within: float | None = None,
+    on_step: Callable[[Simulation], None] | None = None,
 ) -> Summary:
     """Run a case to its end; write its tables, fields, checkpoints, summary and report into a folder.
 
@@ -68,6 +70,8 @@ def run_case(
         Begin at the newest good checkpoint of another run's folder, not after a time [s].
     within : float, optional, [s]
         How long before that time the checkpoint may be; 1 % of the time when left out.
+    on_step : callable, optional
+        Called after every step with the simulation, before the step's rows are written.
 
     Returns
     -------
@@ -88,7 +92,7 @@ def run_case(
         teller = _Teller(files.log, reporter)
         case, saved, summary = _start(case, files, teller, resume, start, within)
         if summary is None:
-            summary = _Run(case, files, threads, teller, saved, resume and saved is not None).to_end()
+            summary = _Run(case, files, threads, teller, saved, resume and saved is not None, on_step).to_end()
         if summary.status == "done" and case.output.report and not _is_reported(files):
             _report(files, case.output.video, teller)
         return summary
@@ -198,13 +202,16 @@ class _Run:
     """One run from its start, or from a checkpoint, to its end."""
 
     def __init__(
-        self, case: Case, files: RunFolder, threads: int | None, teller: _Teller, saved: Saved | None, is_same: bool
+        self, case: Case, files: RunFolder, threads: int | None, teller: _Teller, saved: Saved | None, is_same: bool,
+        on_step: Callable[[Simulation], None] | None = None,
     ) -> None:
         self.case, self.files, self.teller = case, files, teller
         self.saved, self.is_same = saved, is_same
         # Adaptive steps stay tied to the contact step with which the run began, whatever its end is now.
         contact_step = saved.facts["contact_step_s"] if saved is not None and is_same else None
-        self.simulation = Simulation(case, threads, contact_step=contact_step)
+        self.simulation = simulation = Simulation(case, threads, contact_step=contact_step)
+        if on_step is not None:
+            simulation.on_step(lambda _: on_step(simulation))
         if saved is not None:
             restore(self.simulation, saved, is_same)
             teller.note(f"{'continued' if is_same else 'started'} from {saved.path}, t = {saved.time:.6g} s")

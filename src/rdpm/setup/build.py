@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rdpm.config.case import Case
+from rdpm.config.load import load_case
 from rdpm.contacts import Contacts, Lubrication
 from rdpm.coupling.mean_flow import MeanFlow
 from rdpm.coupling.system import System
@@ -29,8 +31,8 @@ class Simulation(TimeLoop):
 
     Parameters
     ----------
-    case : Case
-        From `rdpm.load_case`.
+    case : Case, str, Path or dict
+        From `rdpm.load_case`, or what that takes.
     threads : int, optional
         All processors, or OMP_NUM_THREADS, when left out.
     calibration : Calibration, optional
@@ -61,12 +63,13 @@ class Simulation(TimeLoop):
 
     def __init__(
         self,
-        case: Case,
+        case: Case | str | Path | dict[str, Any],
         threads: int | None = None,
         calibration: Calibration = CALIBRATION,
         contact_step: float | None = None,
     ) -> None:
-        self.case, self.plan = case, plan(case, contact_step)
+        self.case = case if isinstance(case, Case) else load_case(case)
+        self.plan = plan(self.case, contact_step)
         system = _system(self.plan, threads or available_threads(), calibration)
         super().__init__(system, self.plan.step.dt, self.plan.step_control)
 

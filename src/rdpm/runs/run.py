@@ -1,0 +1,76 @@
+"""``rdpm.run``: what the command does, from Python."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from rdpm.config.case import Case
+from rdpm.config.load import load_case
+from rdpm.errors import CaseError
+from rdpm.io.files import reporting
+from rdpm.results.frames import RunFrames, open_run
+from rdpm.runs.runner import run_case
+from rdpm.setup import Simulation, plan
+
+__all__ = ["run"]
+
+
+def run(
+    case: Case | str | Path | dict[str, Any],
+    out: str | Path,
+    *,
+    on_step: Callable[[Simulation], None] | None = None,
+    threads: int | None = None,
+    resume: bool = False,
+) -> RunFrames:
+    """Run a case into a folder, which then holds what ``rdpm run`` leaves there.
+
+    Parameters
+    ----------
+    case : Case, str, Path or dict
+        From `rdpm.load_case`, or what that takes.
+    out : path
+        New or empty; of the run to be continued with `resume`. Missing folders above it are made.
+    on_step : callable, optional
+        Called after every step with the simulation, before the step's rows are written.
+    threads : int, optional
+        All processors, or OMP_NUM_THREADS, when left out.
+    resume : bool
+        Continue from the newest checkpoint in `out`.
+
+    Returns
+    -------
+    RunFrames
+
+    Raises
+    ------
+    CaseError, CheckpointError
+        The case or the folder is wrong; nothing was written.
+    GuardError
+        The numbers could no longer be trusted.
+
+    Examples
+    --------
+    >>> import rdpm, tempfile
+    >>> bead = {"diameter": 0.01, "density": 2500, "centers": [[0.05, 0.05, 0.05]]}
+    >>> case = {"domain": {"size": [0.1, 0.1, 0.1]}, "bodies": [bead], "time": {"end": 0.05, "step": "1 ms"},
+    ...         "output": {"report": False}}
+    >>> heights = []
+    >>> found = rdpm.run(case, tempfile.mkdtemp(), on_step=lambda sim: heights.append(sim.bodies.position[0, 2]))
+    >>> len(heights), found.summary.steps, round(float(found.particles["z_m"].iloc[-1]), 6)
+    (50, 50, 0.037738)
+    """
+    loaded = case if isinstance(case, Case) else load_case(case)
+    plan(loaded)  # refuses what cannot run, before a folder is made
+    folder = Path(out)
+    if folder.exists() and not folder.is_dir():
+        raise CaseError("out", str(folder), "must be a folder", "a file of that name is there", "Name another.")
+    if not resume and folder.is_dir() and any(folder.iterdir()):
+        cure = "Name another folder, or continue the run in it with resume=True."
+        raise CaseError("out", str(folder), "must be new or empty", "it holds files, perhaps results", cure)
+    with reporting(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    run_case(loaded, folder, threads=threads, resume=resume, on_step=on_step)
+    return open_run(folder)
