@@ -10,7 +10,7 @@ inline constexpr double kRestGap = 1e-7;
 
 // Of the rest speed: one that opens faster ends too.
 inline constexpr double kOpening = 0.1;
-inline constexpr int kMostSweeps = 200;
+inline constexpr int kMostSweeps = 50;
 
 class EventLoop {
   public:
