@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from rdpm.cli.design_models import check_model, only_printed, option, print_model, refuse_input
 from rdpm.errors import CaseError
 
 if TYPE_CHECKING:
@@ -51,19 +52,6 @@ _MOST_ROWS = 1_000_000
 _Quantity = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 _Model = Literal["soft-sphere", "hertz", "repulsive"]
 _Program = Literal["lammps", "liggghts", "mfix", "yade", "mercurydpm"]
-
-
-# Inputs of the other models, beside bodies, speed and fluid.
-_BODIES = {"diameter", "density", "diameter2", "density2", "impact_speed", "time_step", "fluid_density", "viscosity",
-           "gravity"}  # fmt: skip
-_OF_MODEL = {
-    "hertz": _BODIES | {"youngs_modulus", "poisson_ratio", "restitution", "overlap_limit"},
-    "repulsive": _BODIES | {"repulsion_range", "repulsion_stiffness", "gap"},
-}
-_NEEDED_OF_MODEL = {
-    "hertz": ("diameter", "density", "youngs_modulus", "poisson_ratio", "restitution"),
-    "repulsive": ("diameter", "density", "repulsion_range"),
-}
 
 
 def design(
@@ -193,13 +181,13 @@ def design(
     single = {name: _number(name, text) for name, text in texts.items() if ":" not in text}
     swept = {name: _range(name, text) for name, text in texts.items() if ":" in text}
     if len(swept) > 1:
-        raise CaseError("rdpm design", ", ".join(_option(n) for n in swept), "only one input can be a sweep")
+        raise CaseError("rdpm design", ", ".join(option(n) for n in swept), "only one input can be a sweep")
     if model != "soft-sphere":
-        _only_printed(model, approach=approach, csv=csv, figures=figures, export=export)
-        _check_model(model, {**single, **swept}, swept)
-        return _print_model(model, single, wall, ending, as_json)
+        only_printed(model, approach=approach, csv=csv, figures=figures, export=export)
+        check_model(model, {**single, **swept}, swept)
+        return print_model(model, single, wall, ending, as_json)
     if others := [name for name in ("repulsion_range", "repulsion_stiffness", "gap") if name in texts]:
-        _refuse_input(others[0], "repulsive", model)
+        refuse_input(others[0], "repulsive", model)
     if approach is not None:
         _one_output(swept, figures=figures, export=export, json=as_json)
         _write_table(_approach_table(approach, single, swept, wall, ending), csv)
@@ -219,41 +207,6 @@ def design(
     return 0
 
 
-def _refuse_input(name: str, belongs: str, model: str) -> None:
-    raise CaseError(_option(name), None, f"belongs to --model {belongs}", f"this design is of --model {model}",
-                    f"Leave it out, or say --model {belongs}.")  # fmt: skip
-
-
-def _check_model(model: str, given: dict[str, Any], swept: dict[str, Any]) -> None:
-    """Refuse what does not belong to the model, and what it lacks."""
-    for name in given:
-        if name not in _OF_MODEL[model]:
-            owners = [other for other, names in _OF_MODEL.items() if name in names]
-            _refuse_input(name, owners[0] if owners else "soft-sphere", model)
-    for name in swept:
-        rule = f"must be one value with --model {model}"
-        raise CaseError(_option(name), None, rule, "sweeps are of the soft sphere", "Give one number.")
-    for name in _NEEDED_OF_MODEL[model]:
-        if name not in given:
-            raise CaseError(_option(name), None, f"must be given with --model {model}", cure=f"Add {_option(name)}.")
-
-
-def _print_model(model: str, single: dict[str, float], wall: bool, ending: Any, as_json: bool) -> int:
-    """Print the design of a Hertz contact or a repulsive force."""
-    from rdpm.design import hertz_design, repulsive_design
-
-    short = {"repulsion_range": "range", "repulsion_stiffness": "stiffness"}
-    named: dict[str, Any] = {short.get(name, name): value for name, value in single.items()}
-    one = hertz_design(**named, wall=wall, ending=ending) if model == "hertz" else repulsive_design(**named, wall=wall)
-    print(json.dumps(one.to_dict(), indent=2) if as_json else one)
-    return 0
-
-
-def _option(name: str) -> str:
-    """Give a name as it is typed."""
-    return "--" + name.replace("_", "-")
-
-
 def _number(name: str, text: str) -> float:
     """Read a quantity in SI, or with a unit; plain numbers are read without loading the library of units."""
     try:
@@ -265,7 +218,7 @@ def _number(name: str, text: str) -> float:
     except ValueError as error:
         parts = (getattr(error, key, "") for key in ("rule", "reason", "cure"))
         rule, reason, cure = parts
-        raise CaseError(_option(name), f'"{text}"', rule or str(error), reason, cure) from None
+        raise CaseError(option(name), f'"{text}"', rule or str(error), reason, cure) from None
 
 
 def _range(name: str, text: str) -> list[float]:
@@ -275,13 +228,13 @@ def _range(name: str, text: str) -> list[float]:
     parts = [p.strip() for p in text.split(":")]
     rule, cure = "must be FROM:TO:COUNT or FROM:TO:COUNT:log", "For example 0.1:0.9:9."
     if len(parts) not in (3, 4) or not parts[2].isdigit() or parts[3:] not in ([], ["log"]):
-        raise CaseError(_option(name), f'"{text}"', rule, "a sweep has two ends and a count", cure)
+        raise CaseError(option(name), f'"{text}"', rule, "a sweep has two ends and a count", cure)
     first, last, count = _number(name, parts[0]), _number(name, parts[1]), int(parts[2])
     if not 2 <= count <= _MOST_ROWS:
-        raise CaseError(_option(name), f'"{text}"', f"must have a count of 2 to {_MOST_ROWS}", cure=cure)
+        raise CaseError(option(name), f'"{text}"', f"must have a count of 2 to {_MOST_ROWS}", cure=cure)
     if parts[3:] and not (first > 0.0 and last > 0.0):
         raise CaseError(
-            _option(name), f'"{text}"', "must have ends above 0", "they are spaced by a factor", cure
+            option(name), f'"{text}"', "must have ends above 0", "they are spaced by a factor", cure
         )
     return [float(v) for v in (np.geomspace if parts[3:] else np.linspace)(first, last, count)]
 
@@ -292,7 +245,7 @@ def _one_output(swept: dict[str, Any], **others: Any) -> None:
         if value:
             what = "a sweep" if swept else "--approach"
             raise CaseError(
-                _option(name), None, f"cannot go with {what}", "it is for one design", "Take one away."
+                option(name), None, f"cannot go with {what}", "it is for one design", "Take one away."
             )
 
 
@@ -308,14 +261,6 @@ def _print_sweep(
         print(json.dumps([d.to_dict() for d in designs], indent=2))
     if csv is not None or not as_json:
         _write_table([_row(name, v, d) for v, d in zip(values, designs, strict=True)], csv)
-
-
-def _only_printed(model: str, **others: Any) -> None:
-    """Refuse outputs that the other models do not have."""
-    for name, value in others.items():
-        if value:
-            raise CaseError(_option(name), None, f"cannot go with --model {model}", "it is of the soft sphere",
-                            "Take one away.")  # fmt: skip
 
 
 def _print_one(one: Design, units: Literal["si", "cgs"], as_json: bool, export: _Program | None) -> None:
@@ -380,8 +325,8 @@ def _approach_table(
     wanted = "contact_steps" if approach == "contact-steps" else "stiffness"
     if list(swept) != [wanted]:
         example = "4:20:17" if wanted == "contact_steps" else "1:1e4:9:log"
-        raise CaseError(_option(wanted), None, "must be a sweep", f"--approach {approach} lists it",
-                        f"For example {_option(wanted)} {example}.")  # fmt: skip
+        raise CaseError(option(wanted), None, "must be a sweep", f"--approach {approach} lists it",
+                        f"For example {option(wanted)} {example}.")  # fmt: skip
     return approach_rows(approach, swept[wanted], single, wall=wall, ending=ending)
 
 
