@@ -162,8 +162,8 @@ def test_drawings_and_claims_are_made_by_name(tmp_path, monkeypatch):
         raise ValueError("no such column")
 
     monkeypatch.setitem(DRAWINGS, "names", Drawing(draw))
-    claim = Claim("known", "", "", Computed(lambda: Judgement("confirmed", "Two.")), "So.")
-    monkeypatch.setitem(CLAIMS, "known", claim)
+    known = Computed(lambda: Judgement("confirmed", "Two."))
+    monkeypatch.setitem(CLAIMS, "known", Claim("known", "", "", known, "So."))
     monkeypatch.setitem(CLAIMS, "broken", Claim("broken", "", "", Computed(broken), ""))
     claims = ["broken", "known"]
     told = []
