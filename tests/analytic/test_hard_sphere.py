@@ -83,9 +83,9 @@ def test_gross_sliding_is_exact(row):
     d, v, mu, theta = 0.005, 3.9, 0.092, math.radians(angle)
     ball = spheres([0.05, 0.05, 0.5 * d + 1e-4], velocity=[[v * math.sin(theta), 0, -v * math.cos(theta)]], diameter=d)
     run(Contacts(ball, BOX, HardSphere(e, mu)), 2e-3, 2e-3)
-    # Six digits are printed.
-    assert ball.velocity[0, 0] / (v * math.sin(theta)) == pytest.approx(e_t, rel=2e-6)
-    assert abs(ball.angular_velocity[0, 1]) == pytest.approx(spin, rel=2e-6)
+    # Six digits are printed: half a unit of the last.
+    assert ball.velocity[0, 0] / (v * math.sin(theta)) == pytest.approx(e_t, rel=5e-6)
+    assert abs(ball.angular_velocity[0, 1]) == pytest.approx(spin, rel=5e-6)
     assert ball.velocity[0, 2] == pytest.approx(e * v * math.cos(theta), rel=1e-12)
 
 
@@ -247,7 +247,9 @@ def test_a_restored_run_is_bit_identical():
     run(resumed, 0.1, 1e-3, (0, 0, -G), start=0.08)
     np.testing.assert_array_equal(third.position, whole.position)
     np.testing.assert_array_equal(third.velocity, whole.velocity)
-    np.testing.assert_array_equal(resumed.take_episodes(), contacts.take_episodes())
+    one, other = resumed.take_episodes(), contacts.take_episodes()
+    for name in one.dtype.names:
+        np.testing.assert_array_equal(one[name], other[name])
 
 
 def test_a_prescribed_body_pushes_and_takes_the_reaction():
