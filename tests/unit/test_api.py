@@ -119,7 +119,7 @@ def test_design_is_there_and_agrees_with_the_plan() -> None:
 
 
 def test_the_public_names_are_those_promised() -> None:
-    assert set(rdpm.__all__) == {"Simulation", "design", "load_case"}
+    assert set(rdpm.__all__) == {"Simulation", "Study", "design", "load_case"}
     with pytest.raises(AttributeError, match="has no attribute 'Simulatoin'"):
         rdpm.Simulatoin  # noqa: B018
 
