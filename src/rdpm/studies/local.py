@@ -44,8 +44,8 @@ def workers_here(jobs: Iterable[Job], asked: int | None = None) -> int:
 
     Notes
     -----
-    Two runs with one thread each finish sooner than one after the other with two, as each part of a step that threads
-    do not share, or that waits for the memory, leaves a processor idle.
+    Runs side by side never wait for one another, as the threads of one run do several times a step; start and end of a
+    run, which one thread does, leave no processor idle.
     """
     largest = max((job.memory for job in jobs), default=0) + PROCESS_MEMORY
     if asked is not None:
