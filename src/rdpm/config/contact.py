@@ -11,7 +11,7 @@ from rdpm.config.fields import Model
 from rdpm.config.rule import RuleError, listed
 from rdpm.conventions import OVERLAP_WARNING
 
-__all__ = ["DEFAULT_CONTACT", "Contact"]
+__all__ = ["DEFAULT_CONTACT", "Contact", "is_key_of"]
 
 DEFAULT_CONTACT = {"contact_steps": 8.0, "restitution": 0.9}
 
@@ -64,6 +64,17 @@ _WAYS: dict[frozenset[str], Way] = {
     frozenset({"max_overlap", "impact_speed", "restitution"}): "max-overlap",
 }
 _PARAMETERS = ("contact_steps", "restitution", "stiffness", "damping", "max_overlap", "impact_speed")
+
+
+def is_key_of(key: str, model: str) -> bool:
+    """Tell whether a key of the contact belongs to a model.
+
+    Examples
+    --------
+    >>> is_key_of("youngs_modulus", "hertz"), is_key_of("youngs_modulus", "soft-sphere"), is_key_of("model", "hertz")
+    (True, False, True)
+    """
+    return model in _MODELS_OF.get(key, (model,))
 
 
 class Contact(Model):
