@@ -173,6 +173,8 @@ class CaseForm:
         else:
             is_long = entry["count"] != "one"
             widgets = [self._text(label, at, hint, is_long)]
+        for widget in widgets:
+            widget.without_auto_validation()  # what is wrong is told by the check of the whole case
         self.fields[at], self._entries[at] = widgets, entry
 
     def _text(self, label: str, at: Path, hint: str, is_long: bool = False) -> Any:

@@ -45,12 +45,12 @@ def chart_of(
         "aria": {"enabled": True, "label": {"description": f"{title}: {y} over {x}."}},
         "title": {"text": title, "left": 4, "top": 0, "textStyle": {"fontSize": 14, "fontWeight": 600, "color": "#1d1d1f"}},
         "legend": {
-            "type": "scroll", "top": 22, "left": 0, "right": 60, "itemGap": 14, "itemWidth": 28,
+            "type": "scroll", "top": 24, "left": 0, "right": 10, "itemGap": 14, "itemWidth": 28,
             "textStyle": {"color": "#333333"}, "pageTextStyle": {"color": _GREY}, "data": _names(drawn),
         },
         "grid": {"left": 6, "right": 18, "top": 56, "bottom": 6, "outerBoundsMode": "same", "outerBoundsContain": "all"},
         "toolbox": {
-            "right": 0, "top": 0, "itemSize": 14,
+            "right": 0, "top": 0, "itemSize": 13, "padding": 1, "showTitle": False, "iconStyle": {"borderColor": _GREY},
             "feature": {"dataZoom": {"title": {"zoom": "zoom", "back": "back"}}, "restore": {"title": "whole"},
                         "saveAsImage": {"title": "save as picture", "name": title}},
         },

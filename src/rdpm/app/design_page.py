@@ -104,6 +104,7 @@ class DesignPage:
             unit = f" [{item.unit}]" if item.unit else ""
             field = ui.input(item.label + unit, value=self.state.get(item.name, ""))
             field.props(f'dense outlined debounce=60 hide-hint hint="{escape(item.help)}" data-name="{item.name}"')
+            field.without_auto_validation()
             field.classes("rdpm-field").on_value_change(lambda e: self._typed(item, e.value))
             low, high = (math.log10(v) if item.is_log else v for v in (item.low, item.high))
             slider = ui.slider(min=low, max=high, step=(high - low) / 400.0, value=low)

@@ -12,7 +12,7 @@ from typing import Any
 
 from rdpm.app.guard import Guard
 from rdpm.app.launch import Launcher
-from rdpm.app.settings import Settings, use
+from rdpm.app.settings import Settings, current, use
 from rdpm.app.workspace import Workspace
 from rdpm.errors import CaseError
 
@@ -40,29 +40,26 @@ def make_app(settings: Settings, token: str, cookie: str = "rdpm_token") -> Any:
     from rdpm.app import pages
 
     use(settings)
-    app = FastAPI(openapi_url=None, docs_url=None, redoc_url=None, lifespan=_lifespan(settings.launcher))
+    app = FastAPI(openapi_url=None, docs_url=None, redoc_url=None, lifespan=_lifespan)
     pages.register(app)
     ui.run_with(app, title="rdpm", dark=None, language="en-US", tailwind=False, show_welcome_message=False,
                 favicon=Path(__file__).parent / "static" / "icon.svg", binding_refresh_interval=None)  # fmt: skip
     return Guard(app, token, cookie)
 
 
-def _lifespan(launcher: Launcher) -> Callable[[Any], Any]:
-    @asynccontextmanager
-    async def lifespan(_: Any) -> AsyncIterator[None]:
-        task = asyncio.create_task(_start_queued(launcher))
-        yield
-        task.cancel()
-        with suppress(asyncio.CancelledError):
-            await task
-
-    return lifespan
+@asynccontextmanager
+async def _lifespan(_: Any) -> AsyncIterator[None]:
+    task = asyncio.create_task(_start_queued())
+    yield
+    task.cancel()
+    with suppress(asyncio.CancelledError):
+        await task
 
 
-async def _start_queued(launcher: Launcher) -> None:
+async def _start_queued() -> None:
     while True:
         with suppress(OSError, CaseError):  # the disk may be full now, and not later
-            await asyncio.to_thread(launcher.dispatch)
+            await asyncio.to_thread(current().launcher.dispatch)
         await asyncio.sleep(_BETWEEN)
 
 
