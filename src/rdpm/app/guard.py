@@ -71,6 +71,8 @@ class Guard:
         headers = _headers(scope.get("headers", ()))
         if not self._knows(_cookie(headers.get("cookie", ""), self.cookie)):
             await self._first_visit(scope, receive, send)
+        elif scope["type"] == "http" and _is_odd(scope["path"]):
+            await _refuse(scope, receive, send, 404, b"There is no such page.")
         elif not _is_own(headers, scope):
             await _refuse(scope, receive, send, 403, b"This request comes from another page.")
         else:
@@ -139,6 +141,11 @@ def _cookie(text: str, name: str) -> str:
             except (CookieError, StopIteration):
                 return ""
     return ""
+
+
+def _is_odd(path: str) -> bool:
+    """Whether a path is one that no page of ours has: it climbs, or holds what no name may."""
+    return ".." in path.split("/") or "\\" in path or not path.isprintable() or len(path) > 2000
 
 
 def _is_own(headers: dict[str, str], scope: Scope) -> bool:

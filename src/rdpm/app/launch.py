@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -159,10 +160,12 @@ class Launcher:
         command = [sys.executable, "-m", "rdpm.cli.main", "run", str(files.case), "--out", str(files.path), "--resume"]
         command += ["--threads", str(self.threads)] if self.threads else []
         with (files.path / CONSOLE).open("wb") as console:
-            self._started[name] = subprocess.Popen(
+            child = subprocess.Popen(
                 command, cwd=files.path.parent, stdin=subprocess.DEVNULL, stdout=console, stderr=console,
                 start_new_session=True,
             )  # fmt: skip
+        threading.Thread(target=child.wait, daemon=True).start()  # the system is told that its end was noticed
+        self._started[name] = child
 
     def _tell(self, name: str, number: signal.Signals) -> None:
         process = holder(self.work.run(name).lock)
