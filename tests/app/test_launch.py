@@ -95,7 +95,7 @@ def test_a_run_of_the_command_line_is_seen_and_counts(work, launcher):
     command = [sys.executable, "-m", "rdpm.cli.main", "run", str(path), "--out", str(work.root / "typed"), "--threads", "1", "--quiet"]
     process = subprocess.Popen(command, start_new_session=True)
     try:
-        until(launcher, lambda: work.runs() == ["typed"])
+        until(launcher, lambda: work.runs() == ["typed"] and status_of("typed", RunFolder(work.root / "typed")).time)
         assert holder(work.root / "typed" / "run.lock") == process.pid
         launcher.add(load_case(LONG), "waits")
         launcher.dispatch()
