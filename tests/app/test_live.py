@@ -5,8 +5,8 @@ import sys
 
 import numpy as np
 import pytest
-from builders import made_up_run, pair_motion
 
+from builders import made_up_run, pair_motion
 from rdpm.app.live import Follower, LiveRun, numbers
 from rdpm.io.vtkhdf import FieldWriter, _reading, field_times
 from rdpm.results.run import load_run

@@ -3,9 +3,9 @@
 import asyncio
 import time
 
-from builders import made_up_run, pair_motion
 from nicegui import ui
 
+from builders import made_up_run, pair_motion
 from rdpm.cases import shipped_text
 from rdpm.config.load import load_case
 

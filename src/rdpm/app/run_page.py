@@ -149,7 +149,7 @@ class RunPage:
         self.live.look_again()
 
     async def _tick_scene(self) -> None:
-        if not self.status.is_active and self.scene is not None or self._is_reading:
+        if (not self.status.is_active and self.scene is not None) or self._is_reading:
             return
         if self.status.state == "done":
             return
@@ -234,7 +234,8 @@ def _spoken(live: LiveRun) -> str:
     if live.frame is None:
         return "Spheres in their box"
     fall = live.settling[-1][0] if live.settling else math.nan
-    return f"{live.count} spheres at t = {live.frame.time:.3g} s, settling at {100 * fall:.3g} cm/s"
+    spheres = f"{live.count} spheres" if live.count > 1 else "One sphere"
+    return f"{spheres} at t = {live.frame.time:.3g} s, settling at {100 * fall:.3g} cm/s"
 
 
 def _diameters(case: Any, count: int) -> Any:

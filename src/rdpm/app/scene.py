@@ -7,9 +7,9 @@ import io
 from typing import Any
 
 import numpy as np
+from nicegui.element import Element
 from nicegui.elements.scene import Scene
 from nicegui.elements.scene.scene_object3d import Object3D
-from nicegui.element import Element
 from numpy.typing import ArrayLike, NDArray
 
 from rdpm.app.live import Slice
