@@ -56,7 +56,10 @@ def browsing(address, width=1280, height=900, dark=False):
         page.on("console", lambda said: complaints.append(f"console: {said.text}") if said.type == "error" else None)
         page.on("pageerror", lambda error: complaints.append(f"script: {error}"))
         page.on("requestfailed", lambda request: complaints.append(f"failed: {request.url} {request.failure}"))
-        page.on("response", lambda answer: complaints.append(f"{answer.status}: {answer.url}") if answer.status >= 400 else None)
+        page.on(
+            "response",
+            lambda answer: complaints.append(f"{answer.status}: {answer.url}") if answer.status >= 400 else None,
+        )
         page.goto(address)
         try:
             yield page, complaints

@@ -42,7 +42,7 @@ def test_design_check_run_watch_come_back_and_compare(tmp_path):
         assert "token" not in page.url
 
         page.get_by_label("contact steps N_c", exact=True).first.fill("12")
-        page.wait_for_function("location.search.includes('contact_steps=12')")   # the link holds the state
+        page.wait_for_function("location.search.includes('contact_steps=12')")  # the link holds the state
         page.get_by_role("tab", name="LAMMPS").click()
         page.get_by_text("pair_style").first.wait_for()
         kept = page.url
@@ -56,7 +56,7 @@ def test_design_check_run_watch_come_back_and_compare(tmp_path):
 
         run_case(page, base, "one")
         page.wait_for_function("+document.querySelector('.rdpm-scene')?.dataset.frames > 3", timeout=60_000)
-        page.goto("about:blank")   # the page is closed, the run goes on
+        page.goto("about:blank")  # the page is closed, the run goes on
 
         run_case(page, base, "two")
         page.get_by_role("heading", name="Replay").wait_for(timeout=120_000)
@@ -67,7 +67,7 @@ def test_design_check_run_watch_come_back_and_compare(tmp_path):
         page.wait_for_url("**/overlay?run=one&run=two")
         assert page.locator(".rdpm-chart canvas").count() >= 4
 
-        page.set_viewport_size({"width": 390, "height": 800})   # a phone
+        page.set_viewport_size({"width": 390, "height": 800})  # a phone
         for path in ("/design", "/cases?shipped=dkt", "/runs", "/run/one"):
             page.goto(base + path)
             page.get_by_role("heading", level=1).wait_for()

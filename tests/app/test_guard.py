@@ -7,7 +7,7 @@ import re
 import httpx
 import pytest
 
-TOKEN, COOKIE = "a-token-of-the-tests", "rdpm_token"   # of conftest.py
+TOKEN, COOKIE = "a-token-of-the-tests", "rdpm_token"  # of conftest.py
 SECRET = "what lies outside the folder"
 KNOWN = {COOKIE: TOKEN}
 
@@ -89,7 +89,8 @@ def test_files_of_the_folder_are_served_and_no_others(page):
     (page.root / ".hidden.csv").write_text(SECRET)
     table, shown, key, hidden, part = asked(
         page, ("GET", "/files/table.csv", {}), ("GET", "/files/page.html", {}), ("GET", "/files/key.pem", {}),
-        ("GET", "/files/.hidden.csv", {}), ("GET", "/files/table.csv", {"headers": {"range": "bytes=2-2"}}), cookies=KNOWN,
+        ("GET", "/files/.hidden.csv", {}), ("GET", "/files/table.csv", {"headers": {"range": "bytes=2-2"}}),
+        cookies=KNOWN,
     )  # fmt: skip
     assert table.text == "a\n1\n"
     assert shown.headers["content-security-policy"].startswith("sandbox;")
@@ -105,10 +106,30 @@ async def body(size):
 def bad_requests(number, seed):
     """Requests of every bad kind that came to mind, in a random order: whether they know the token, and the request."""
     rng = random.Random(seed)
-    outside = ["../secret.toml", "../../etc/passwd", "/etc/passwd", "link.toml", "linked/secret.toml", "a/../../secret.toml",
-               "..\\secret.toml", "%2e%2e/secret.toml", "..%2fsecret.toml", "%252e%252e%252fsecret.toml", "secret.toml\0.csv",
-               "~root/x", ".hidden.toml", "....//secret.toml", "./../secret.toml", "x" * 3000, "\u202e\ud7ff", "%ff%fe", "%00",
-               "con", "file:///etc/passwd", "http://127.0.0.1/x.csv"]  # fmt: skip
+    outside = [
+        "../secret.toml",
+        "../../etc/passwd",
+        "/etc/passwd",
+        "link.toml",
+        "linked/secret.toml",
+        "a/../../secret.toml",
+        "..\\secret.toml",
+        "%2e%2e/secret.toml",
+        "..%2fsecret.toml",
+        "%252e%252e%252fsecret.toml",
+        "secret.toml\0.csv",
+        "~root/x",
+        ".hidden.toml",
+        "....//secret.toml",
+        "./../secret.toml",
+        "x" * 3000,
+        "\u202e\ud7ff",
+        "%ff%fe",
+        "%00",
+        "con",
+        "file:///etc/passwd",
+        "http://127.0.0.1/x.csv",
+    ]
     places = ["/files/{}", "/run/{}", "/study/{}", "/cases?file={}", "/cases?run={}", "/cases?shipped={}",
               "/overlay?run={0}&run={0}x"]  # fmt: skip
     junk = ["nan", "1e999", "-1", "'; rm -rf /", "<script>", "{}", "[]", "null", "1 lightyear", "\0", "9" * 400, "%s%n"]
@@ -117,20 +138,37 @@ def bad_requests(number, seed):
         if kind < 3:
             guess = rng.choice(["", "x", TOKEN[:-1], TOKEN + "x", TOKEN.upper(), "%00", "\u00e9", "a" * 5000])
             address = rng.choice(places).format(rng.choice(outside))
-            yield False, ("GET", address + ("&" if "?" in address else "?") + f"token={guess}", {"headers": {"cookie": f"{COOKIE}={n}"}})
+            yield (
+                False,
+                (
+                    "GET",
+                    address + ("&" if "?" in address else "?") + f"token={guess}",
+                    {"headers": {"cookie": f"{COOKIE}={n}"}},
+                ),
+            )
         elif kind < 6:
-            is_page = n % 20 == 0   # a page that opens costs more than one that is refused
+            is_page = n % 20 == 0  # a page that opens costs more than one that is refused
             place = rng.choice(places) if is_page else "/files/{}"
             yield True, ("GET", place.format(rng.choice(outside)), {})
         elif kind == 6:
             method = rng.choice(["POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "BREW"])
             address = rng.choice(["/", "/files/a.csv", "/runs", "/_nicegui/client/1/upload/2", "/run/x"])
-            what = rng.choice([{"content": b"\xff" * 100}, {"json": {"a": [1]}}, {"data": {"x": "y"}},
-                               {"files": {"f": ("../../x.toml", b"\0" * 5000)}}, {"headers": {"content-length": "-5"}},
-                               {"headers": {"content-length": "9" * 30}}, {"headers": {"content-type": "multipart/form-data"}}])  # fmt: skip
+            what = rng.choice(
+                [
+                    {"content": b"\xff" * 100},
+                    {"json": {"a": [1]}},
+                    {"data": {"x": "y"}},
+                    {"files": {"f": ("../../x.toml", b"\0" * 5000)}},
+                    {"headers": {"content-length": "-5"}},
+                    {"headers": {"content-length": "9" * 30}},
+                    {"headers": {"content-type": "multipart/form-data"}},
+                ]
+            )
             yield True, (method, address, what)
         else:
-            address = rng.choice(["/design?diameter={}&way=steps", "/design?way={}", "/runs?sort={}&down", "/files/{}?download"])
+            address = rng.choice(
+                ["/design?diameter={}&way=steps", "/design?way={}", "/runs?sort={}&down", "/files/{}?download"]
+            )
             is_page = n % 20 == 1
             yield True, ("GET", address.format(rng.choice(junk)) if is_page else f"/files/{rng.choice(junk)}", {})
 
@@ -182,4 +220,4 @@ def test_a_body_beyond_the_limit_is_not_read(page):
         ("POST", "/_nicegui/client/1/upload/1", {"content": body(4 * 2**20)}), cookies=KNOWN,
     )  # fmt: skip
     assert announced.status_code == 413
-    assert streamed.status_code in (404, 413)   # no such upload, or too large: it is not kept either way
+    assert streamed.status_code in (404, 413)  # no such upload, or too large: it is not kept either way

@@ -68,7 +68,7 @@ def test_runs_take_turns_pause_go_on_and_stop(work, launcher):
     with pytest.raises(CaseError, match="must not be running"):
         launcher.resume("first")
 
-    later = Launcher(work, at_once=1, threads=1)   # the page was closed and opened anew: all is in the files
+    later = Launcher(work, at_once=1, threads=1)  # the page was closed and opened anew: all is in the files
     later.pause("first")
     until(launcher, lambda: state(work, "first") == "paused")
     reached = status_of("first", RunFolder(work.root / "first")).time
@@ -92,7 +92,18 @@ def test_a_run_of_the_command_line_is_seen_and_counts(work, launcher):
     (work.root / "waits" / "case.toml").rename(path)
     (work.root / "waits" / QUEUED).unlink()
     (work.root / "waits").rmdir()
-    command = [sys.executable, "-m", "rdpm.cli.main", "run", str(path), "--out", str(work.root / "typed"), "--threads", "1", "--quiet"]
+    command = [
+        sys.executable,
+        "-m",
+        "rdpm.cli.main",
+        "run",
+        str(path),
+        "--out",
+        str(work.root / "typed"),
+        "--threads",
+        "1",
+        "--quiet",
+    ]
     process = subprocess.Popen(command, start_new_session=True)
     try:
         until(launcher, lambda: work.runs() == ["typed"] and status_of("typed", RunFolder(work.root / "typed")).time)
@@ -120,7 +131,7 @@ def test_two_pages_on_one_folder_start_a_run_once(work, launcher):
     launcher.add(load_case(LONG), "one")
     other = Launcher(work, at_once=1, threads=1)
     with locked(work.root / ".rdpm-app.lock"):
-        assert launcher.dispatch() == []   # the other one is at it
+        assert launcher.dispatch() == []  # the other one is at it
     assert launcher.dispatch() == ["one"]
     until(other, lambda: holder(work.root / "one" / "run.lock") is not None)
     assert other.dispatch() == []
@@ -135,7 +146,7 @@ def test_only_a_run_that_goes_on_here_is_told_to_end(work, launcher):
             act("idle")
     with locked(work.root / "idle" / "run.lock"):
         assert holder(work.root / "idle" / "run.lock") == os.getpid()
-    (work.root / "idle" / "run.lock").write_text("1\n")   # left by one that was killed; the number is another's now
+    (work.root / "idle" / "run.lock").write_text("1\n")  # left by one that was killed; the number is another's now
     assert holder(work.root / "idle" / "run.lock") is None
     with pytest.raises(CaseError, match="must be running"):
         launcher.stop("idle")

@@ -23,7 +23,7 @@ def test_only_whole_new_lines_are_given(tmp_path):
     with path.open("ab") as file:
         file.write(b",4\n5,6\n")
     assert new.lines() == b"3,4\n5,6\n"
-    path.write_bytes(b"a,b\n7,8\n")   # set back, as by a run that goes on from a checkpoint
+    path.write_bytes(b"a,b\n7,8\n")  # set back, as by a run that goes on from a checkpoint
     assert new.lines() == b"7,8\n"
 
 
@@ -72,13 +72,14 @@ def test_a_picture_of_the_flow_is_given_once(tmp_path):
 WRITE = """
 import sys, numpy as np
 from rdpm.io.vtkhdf import FieldWriter
-FieldWriter(sys.argv[1], (4, 4, 4), (0.1, 0.1, 0.1), keep_until=9.0).write(0.5, np.ones((4, 4, 4, 3)), np.zeros((4, 4, 4)))
+fields = FieldWriter(sys.argv[1], (4, 4, 4), (0.1, 0.1, 0.1), keep_until=9.0)
+fields.write(0.5, np.ones((4, 4, 4, 3)), np.zeros((4, 4, 4)))
 """
 
 
 def test_a_reader_does_not_stop_the_writer_of_fields(tmp_path):
     path = tmp_path / "fields.vtkhdf"
     FieldWriter(path, (4, 4, 4), (0.1, 0.1, 0.1))
-    with _reading(path):   # held open, as by a page that reads a slice
+    with _reading(path):  # held open, as by a page that reads a slice
         subprocess.run([sys.executable, "-c", WRITE, str(path)], check=True)
     assert field_times(path).tolist() == [0.5]

@@ -102,7 +102,7 @@ def test_a_case_is_run_and_found_again(visit, page):
         user.find(kind=ui.button, content="Run").click()
         await asyncio.sleep(0.5)
         assert page.work.runs() == ["bead"]
-        for _ in range(300):   # the clock of the page starts it
+        for _ in range(300):  # the clock of the page starts it
             if (page.root / "bead" / "summary.json").exists() and not (page.root / "bead" / "run.lock").exists():
                 break
             await asyncio.sleep(0.1)

@@ -118,4 +118,4 @@ def _sections(found: Plan) -> str:
     warnings = len(found.warnings)
     word = "warning" if warnings else "ok"
     said = f"{warnings} warning{'s' if warnings > 1 else ''}" if warnings else "no warnings"
-    return f'<p>{state(word, "can run")} {said}.</p>' + "".join(parts)
+    return f"<p>{state(word, 'can run')} {said}.</p>" + "".join(parts)

@@ -35,7 +35,9 @@ def hint_of(entry: Entry) -> str:
         if entry[key] is not None
     ]  # fmt: skip
     said = ", ".join(limits)
-    return " ".join(part for part in (entry["help"], f"{said[:1].upper()}{said[1:]}." if said else "", _without(entry)) if part)
+    return " ".join(
+        part for part in (entry["help"], f"{said[:1].upper()}{said[1:]}." if said else "", _without(entry)) if part
+    )
 
 
 def _without(entry: Entry) -> str:
@@ -99,7 +101,9 @@ class CaseForm:
     def _table(self, keys: list[Entry], path: Path, values: Any) -> None:
         """All keys of a table; those left out that need not be given stand folded below."""
         model = values.get("model", "soft-sphere") if path == ("contact",) and isinstance(values, dict) else ""
-        shown, more, tables = [], [], []
+        shown: list[Entry] = []
+        more: list[Entry] = []
+        tables: list[Entry] = []
         for entry in keys:
             is_given = isinstance(values, dict) and entry["name"] in values
             if model and not is_given and not is_key_of(entry["name"], model):
@@ -163,7 +167,10 @@ class CaseForm:
         is_vector = entry["length"] == 3 and entry["count"] == "one" and entry["table"] is None
         if is_vector:
             with ui.element("div").classes("rdpm-vector").props(f'role=group aria-label="{escape(label)}"'):
-                widgets = [self._text(f"{label if axis == 'x' else ''} {axis}".strip(), at, hint if axis == "x" else "") for axis in "xyz"]
+                widgets = [
+                    self._text(f"{label if axis == 'x' else ''} {axis}".strip(), at, hint if axis == "x" else "")
+                    for axis in "xyz"
+                ]
         elif entry["kind"] == "true or false" or (entry["kind"] == "choice" and entry["table"] is None):
             names = entry["choices"] or ["true", "false"]
             pick = ui.select([_LEFT_OUT, *names], label=label, value=_LEFT_OUT)
@@ -191,7 +198,9 @@ class CaseForm:
         widgets = self.fields[at]
         if len(widgets) == 3:
             parts = [value_of(str(widget.value or "")) for widget in widgets]
-            value: Any = None if all(part is None for part in parts) else [0 if part is None else part for part in parts]
+            value: Any = (
+                None if all(part is None for part in parts) else [0 if part is None else part for part in parts]
+            )
         elif isinstance(widgets[0], ui.select):
             text = widgets[0].value
             value = None if text == _LEFT_OUT else {"true": True, "false": False}.get(text, text)

@@ -31,18 +31,21 @@ def case_list() -> None:
     work = current().work
     with frame("Cases", "cases"):
         heading("Shipped")
-        html(table([(f'<a href="/cases?shipped={name}">{name}</a>', escape(_title(shipped_text(name)))) for name in shipped_names()],
-                   is_html=True))  # fmt: skip
+        shipped = [(name, escape(_title(shipped_text(name)))) for name in shipped_names()]
+        html(table([(f'<a href="/cases?shipped={name}">{name}</a>', title) for name, title in shipped], is_html=True))
         heading("Own, in this folder")
         own = work.cases()
-        html(table([(f'<a href="/cases?file={quote(name)}">{escape(name)}</a>', "") for name in own], is_html=True)
-             if own else '<p class="rdpm-soft">None yet: open one that is shipped and save it here, or bring one.</p>')  # fmt: skip
+        links = "".join(f'<li><a href="/cases?file={quote(name)}">{escape(name)}</a></li>' for name in own)
+        none = '<p class="rdpm-soft">None yet: open one that is shipped and save it here, or bring one.</p>'
+        html(f'<ul class="rdpm-list">{links}</ul>' if own else none)
         heading("Bring a case file")
         _upload()
 
 
 def _title(text: str) -> str:
-    return next((line.partition("=")[2].strip().strip('"') for line in text.splitlines() if line.startswith("title")), "")
+    return next(
+        (line.partition("=")[2].strip().strip('"') for line in text.splitlines() if line.startswith("title")), ""
+    )
 
 
 def _upload() -> None:
@@ -63,7 +66,9 @@ def _upload() -> None:
         except RdpmError as error:
             said.set_content(problem(f"Not taken: {error}"))
 
-    taken = ui.upload(label="Case file (.toml)", on_upload=take, auto_upload=True, max_files=1, max_file_size=LARGEST_BODY // 2)
+    taken = ui.upload(
+        label="Case file (.toml)", on_upload=take, auto_upload=True, max_files=1, max_file_size=LARGEST_BODY // 2
+    )
     taken.on_rejected(lambda: said.set_content(problem("Not taken: a case file ends in .toml and has at most 1 MiB.")))
     taken.props('accept=".toml" flat bordered')
 
@@ -91,7 +96,9 @@ class CasePage:
                 with ui.element("section").props('aria-label="Form"'):
                     self.form = CaseForm(self._form_changed)
                 with ui.element("section").props('aria-label="Text and check"'):
-                    self.editor = ui.textarea("Case file (TOML)", value=self.text).props("outlined autogrow debounce=300")
+                    self.editor = ui.textarea("Case file (TOML)", value=self.text).props(
+                        "outlined autogrow debounce=300"
+                    )
                     self.editor.props("spellcheck=false").classes("rdpm-field rdpm-toml")
                     self.editor.on_value_change(self._text_changed)
                     heading("What it implies")
@@ -164,13 +171,18 @@ class CasePage:
 
     def _save(self) -> None:
         try:
-            path = self.work.new(str(self.save_as.value or ""), ".toml") if "/" not in str(self.save_as.value) else self.work.inside(
-                str(self.save_as.value))
+            path = (
+                self.work.new(str(self.save_as.value or ""), ".toml")
+                if "/" not in str(self.save_as.value)
+                else self.work.inside(str(self.save_as.value))
+            )
             name = self.work.name(path)
             if path.suffix != ".toml" or path.name == "case.toml":
                 raise CaseError("save as", f'"{name[:80]}"', "must end in .toml, and not be the case of a run")
             if path.exists() and name != self.file:
-                raise CaseError("save as", f'"{name[:80]}"', "must be new", "a file of that name is there", "Take another name.")
+                raise CaseError(
+                    "save as", f'"{name[:80]}"', "must be new", "a file of that name is there", "Take another name."
+                )
             with replacing(path) as temporary:
                 temporary.write_text(self.text, encoding="utf-8")
             self.file = name

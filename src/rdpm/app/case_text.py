@@ -74,7 +74,7 @@ def written_value(value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, list) and value and isinstance(value[0], list):
         return "[\n" + "".join(f"  {tomlkit.item(one).as_string()},\n" for one in value) + "]"
-    return tomlkit.item(value).as_string()
+    return str(tomlkit.item(value).as_string())
 
 
 def put(text: str, path: Path, value: Any) -> str:

@@ -13,11 +13,18 @@ __all__ = ["chart_of", "line", "mark", "points", "thinned"]
 _DASHES: tuple[Any, ...] = ("solid", [8, 4], [2, 3], [8, 3, 2, 3], [14, 4], [4, 2])
 _SYMBOLS = ("circle", "rect", "triangle", "diamond", "pin", "arrow")
 _GREY = "#5f5f64"
+_TITLE = {"fontSize": 14, "fontWeight": 600, "color": "#1d1d1f"}
 
 
 def chart_of(
-    title: str, x: str, y: str, series: Iterable[dict[str, Any]], log: str = "", x_range: Sequence[float] = (),
-    y_range: Sequence[float] = (), is_equal: bool = False,
+    title: str,
+    x: str,
+    y: str,
+    series: Iterable[dict[str, Any]],
+    log: str = "",
+    x_range: Sequence[float] = (),
+    y_range: Sequence[float] = (),
+    is_equal: bool = False,
 ) -> dict[str, Any]:
     """Put lines into a chart.
 
@@ -43,12 +50,13 @@ def chart_of(
     return {
         "animation": False,
         "aria": {"enabled": True, "label": {"description": f"{title}: {y} over {x}."}},
-        "title": {"text": title, "left": 4, "top": 0, "textStyle": {"fontSize": 14, "fontWeight": 600, "color": "#1d1d1f"}},
+        "title": {"text": title, "left": 4, "top": 0, "textStyle": _TITLE},
         "legend": {
             "type": "scroll", "top": 24, "left": 0, "right": 10, "itemGap": 14, "itemWidth": 28,
             "textStyle": {"color": "#333333"}, "pageTextStyle": {"color": _GREY}, "data": _names(drawn),
         },
-        "grid": {"left": 6, "right": 18, "top": 56, "bottom": 6, "outerBoundsMode": "same", "outerBoundsContain": "all"},
+        "grid": {"left": 6, "right": 18, "top": 56, "bottom": 6, "outerBoundsMode": "same",
+                 "outerBoundsContain": "all"},
         "toolbox": {
             "right": 0, "top": 0, "itemSize": 13, "padding": 1, "showTitle": False, "iconStyle": {"borderColor": _GREY},
             "feature": {"dataZoom": {"title": {"zoom": "zoom", "back": "back"}}, "restore": {"title": "whole"},

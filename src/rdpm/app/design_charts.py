@@ -17,7 +17,11 @@ from rdpm.design.approaches import graphical
 __all__ = ["CHARTS", "draw"]
 
 _K = "stiffness k_n [N/m]"
-_SCHEMES = {"explicit-euler": "explicit Euler", "semi-implicit-euler": "semi-implicit Euler", "velocity-verlet": "velocity Verlet"}
+_SCHEMES = {
+    "explicit-euler": "explicit Euler",
+    "semi-implicit-euler": "semi-implicit Euler",
+    "velocity-verlet": "velocity Verlet",
+}
 _STEPS = (4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0, 30.0, 50.0)
 
 
@@ -94,8 +98,8 @@ def produced(design: Design) -> dict[str, Any]:
     for n, (scheme, name) in enumerate(_SCHEMES.items()):
         found = _produced(round(design.restitution, 6), scheme, design.ending)
         lines.append(line(name, _STEPS, [one[0] for one in found], n))
-        for at in (1, 2):
-            lines.append(line("least and greatest", _STEPS, [one[at] for one in found], n, width=0.8, type="dotted"))
+        band = ([one[at] for one in found] for at in (1, 2))
+        lines += [line("least and greatest", _STEPS, edge, n, width=0.8, type="dotted") for edge in band]
     lines.append(line("target, and exact (rdpm)", (_STEPS[0], _STEPS[-1]), [design.restitution] * 2, 6))
     steps = design.contact_steps
     inside = steps is not None and _STEPS[0] <= steps <= _STEPS[-1]

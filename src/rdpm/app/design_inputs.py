@@ -158,11 +158,17 @@ def designed(state: Mapping[str, str]) -> Design:
             given[name] = _value(name, text)
     if state["material"]:
         solid = MATERIALS[state["material"]]
-        given |= {"density": solid.density, "youngs_modulus": solid.youngs_modulus, "poisson_ratio": solid.poisson_ratio}
+        given |= {
+            "density": solid.density,
+            "youngs_modulus": solid.youngs_modulus,
+            "poisson_ratio": solid.poisson_ratio,
+        }
     if state["fluid"] in FLUIDS:
         fluid = FLUIDS[state["fluid"]]
         given |= {"fluid_density": fluid.density, "viscosity": fluid.viscosity}
-    ending: Literal["zero-force", "zero-overlap"] = "zero-overlap" if state["ending"] == "zero-overlap" else "zero-force"
+    ending: Literal["zero-force", "zero-overlap"] = (
+        "zero-overlap" if state["ending"] == "zero-overlap" else "zero-force"
+    )
     return soft_sphere(**given, wall=state["partner"] == "wall", ending=ending)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from html import escape
 from typing import Any
 from urllib.parse import urlencode
@@ -96,7 +97,9 @@ class DesignPage:
         self._choice("ending", "a contact ends at", {"zero-force": "zero force", "zero-overlap": "zero overlap"})
 
     def _choice(self, name: str, label: str, options: dict[str, str]) -> None:
-        picked = ui.select(options, label=label, value=self.state[name], on_change=lambda e: self._chosen(name, e.value))
+        picked = ui.select(
+            options, label=label, value=self.state[name], on_change=lambda e: self._chosen(name, e.value)
+        )
         picked.classes("rdpm-field").props(f'dense outlined data-name="{name}"')
 
     def _quantity(self, item: Input) -> None:
@@ -118,20 +121,21 @@ class DesignPage:
         self.problem = html("")
         self.summary = html("").props("aria-live=polite")
         self.verdicts = html("")
-        with ui.tabs(value=self.shown_chart, on_change=lambda e: self._show_chart(e.value)).props("dense align=left no-caps"):
-            for name, (text, _) in CHARTS.items():
-                ui.tab(name, text)
+        self._tabs({name: text for name, (text, _) in CHARTS.items()}, self._show_chart)
         self.chart = chart(draw(self.shown_chart, None), "Chart of the design")
         with ui.element("div").classes("rdpm-even"):
             self.table = html("")
             self.others = html("")
         heading("Take it along")
         names = {"case": "Case file", **{name: title for name, title in _titles().items()}}
-        with ui.tabs(value=self.shown_export, on_change=lambda e: self._show_export(e.value)).props("dense align=left no-caps"):
-            for name, text in names.items():
-                ui.tab(name, text)
+        self._tabs(names, self._show_export)
         button("Copy", self._copy_export, "content_copy")
         self.exported = html("")
+
+    def _tabs(self, names: dict[str, str], show: Callable[[str], None]) -> None:
+        with ui.tabs(on_change=lambda e: show(str(e.value))).props("dense align=left no-caps") as tabs:
+            made = [ui.tab(name, text) for name, text in names.items()]
+        tabs.set_value(made[0])
 
     def _chosen(self, name: str, value: Any) -> None:
         self.state[name] = str(value or "")
@@ -244,7 +248,9 @@ def _verdicts(design: Design) -> str:
 
 
 def _numbers(design: Design) -> str:
-    found = [(name, written(value, unit, 5), note) for name, value, unit, note in rows(design.to_dict()) if value is not None]
+    found = [
+        (name, written(value, unit, 5), note) for name, value, unit, note in rows(design.to_dict()) if value is not None
+    ]
     return table(found, caption="The contact")
 
 
@@ -256,9 +262,14 @@ def _programs(design: Design) -> str:
             cells.append((_titles()[name], shown(there["time_step_s"], "s"), str(there["contact_steps"]), _range(e)))
     heads = ("program", "dt", "N_c", "e_n it gives")
     parts = [table(cells, heads, "This spring in other programs, with the time step it needs there")] if cells else []
-    schemes = [(p.integrator.replace("-", " "), f"{p.mean:.3f}", f"{p.least:.3f} to {p.greatest:.3f}") for p in design.predictions]
+    schemes = [
+        (p.integrator.replace("-", " "), f"{p.mean:.3f}", f"{p.least:.3f} to {p.greatest:.3f}")
+        for p in design.predictions
+    ]
     if schemes:
-        parts.append(table(schemes, ("integrator", "e_n", "by moment of touch"), "At these contact steps, without sub-steps"))
+        parts.append(
+            table(schemes, ("integrator", "e_n", "by moment of touch"), "At these contact steps, without sub-steps")
+        )
     return "".join(parts)
 
 

@@ -13,8 +13,8 @@ from urllib.parse import quote
 from nicegui import ui
 
 __all__ = [
-    "button", "chart", "code", "files_link", "frame", "heading", "html", "link_to_run", "problem", "state", "table",
-    "written",
+    "button", "chart", "code", "figure", "files_link", "frame", "heading", "html", "link_to_run", "problem", "state",
+    "table", "written",
 ]  # fmt: skip
 
 _LINKS = (("design", "Design"), ("cases", "Cases"), ("runs", "Runs"))
@@ -50,7 +50,9 @@ def frame(title: str, active: str = "") -> Iterator[None]:
             for name, text in _LINKS:
                 here = ' aria-current="page"' if name == active else ""
                 html(f'<a href="/{name}"{here}>{text}</a>')
-        light = ui.button(icon="contrast").props('flat dense round color=none aria-label="Light or dark"').classes("push")
+        light = (
+            ui.button(icon="contrast").props('flat dense round color=none aria-label="Light or dark"').classes("push")
+        )
         light.on("click", js_handler=_TOGGLE)
     with ui.element("main").props('id=main tabindex="-1"').classes("rdpm-main"):
         heading(title, 1)
@@ -74,7 +76,11 @@ def button(text: str, act: Any = None, icon: str = "", is_main: bool = False) ->
 
 
 def table(
-    rows: Iterable[Sequence[str]], heads: Sequence[str] = (), caption: str = "", is_html: bool = False, numbers: bool = False
+    rows: Iterable[Sequence[str]],
+    heads: Sequence[str] = (),
+    caption: str = "",
+    is_html: bool = False,
+    numbers: bool = False,
 ) -> str:
     """Write a table that scrolls by itself where it is too wide.
 
@@ -96,7 +102,7 @@ def table(
     """
     said = (lambda text: text) if is_html else escape
     kind = ' class="number"' if numbers else ""
-    head = "".join(f"<th scope=\"col\"{kind if n else ''}>{said(text)}</th>" for n, text in enumerate(heads))
+    head = "".join(f'<th scope="col"{kind if n else ""}>{said(text)}</th>' for n, text in enumerate(heads))
     body = "".join(
         f'<tr><th scope="row">{said(first)}</th>' + "".join(f"<td{kind}>{said(text)}</td>" for text in others) + "</tr>"
         for first, *others in rows
@@ -119,6 +125,13 @@ def problem(text: str) -> str:
 def state(word: str, text: str = "") -> str:
     """Write a word on a ground that goes with it."""
     return f'<span class="rdpm-state {escape(word)}">{escape(text or word)}</span>'
+
+
+def figure(name: str, text: str) -> str:
+    """Write a picture of the folder, which opens by itself when it is clicked."""
+    address = f"/files/{quote(name)}"
+    picture = f'<a href="{address}" target="_blank"><img loading="lazy" src="{address}" alt="{escape(text)}"></a>'
+    return f'<figure class="rdpm-figure">{picture}<figcaption>{escape(text)}</figcaption></figure>'
 
 
 def link_to_run(name: str, text: str = "") -> str:
@@ -145,4 +158,8 @@ def written(value: float | None, unit: str = "", digits: int = 4) -> str:
 
 def chart(options: dict[str, Any], label: str) -> ui.echart:
     """Put a chart on the page; its label says to those who do not see it what is drawn."""
-    return ui.echart(options, renderer="canvas").classes("rdpm-chart").props(f'role=img tabindex=0 aria-label="{escape(label)}"')
+    return (
+        ui.echart(options, renderer="canvas")
+        .classes("rdpm-chart")
+        .props(f'role=img tabindex=0 aria-label="{escape(label)}"')
+    )

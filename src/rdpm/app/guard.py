@@ -32,10 +32,11 @@ _POLICY = (
     b"object-src 'none'; base-uri 'self'; form-action 'self'; frame-ancestors 'none'"
 )
 _CLOSED = (
-    b"<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>rdpm: closed</title>"
-    b"<body style=\"font: 16px/1.5 system-ui, sans-serif; margin: 3rem auto; max-width: 36rem; padding: 0 1rem\">"
+    b'<!doctype html><html lang="en"><meta charset="utf-8"><title>rdpm: closed</title>'
+    b'<body style="font: 16px/1.5 system-ui, sans-serif; margin: 3rem auto; max-width: 36rem; padding: 0 1rem">'
     b"<h1>This page needs its token</h1><p>Open the whole address that <code>rdpm app</code> printed, with "
-    b"<code>?token=...</code> at its end. The browser then remembers it until <code>rdpm app</code> ends.</p></body></html>"
+    b"<code>?token=...</code> at its end. The browser then remembers it until <code>rdpm app</code> ends.</p>"
+    b"</body></html>"
 )
 
 
@@ -84,7 +85,12 @@ class Guard:
     async def _first_visit(self, scope: Scope, receive: Receive, send: Send) -> None:
         pairs = parse_qsl(scope.get("query_string", b"").decode("latin-1"), keep_blank_values=True, max_num_fields=None)
         given = [value for key, value in pairs if key == "token"]
-        if scope["type"] != "http" or scope["method"] not in ("GET", "HEAD") or len(given) != 1 or not self._knows(given[0]):
+        if (
+            scope["type"] != "http"
+            or scope["method"] not in ("GET", "HEAD")
+            or len(given) != 1
+            or not self._knows(given[0])
+        ):
             await _refuse(scope, receive, send, 401, _CLOSED, b"text/html; charset=utf-8")
             return
         rest = urlencode([pair for pair in pairs if pair[0] != "token"])
@@ -125,7 +131,9 @@ class Guard:
         except Exception:
             _log.exception("%s %s", scope["type"], scope.get("path", "")[:200].encode("ascii", "replace").decode())
             if not begun:
-                await _refuse(scope, receive, send, 500, b"Something went wrong here; the terminal of rdpm app says what.")
+                await _refuse(
+                    scope, receive, send, 500, b"Something went wrong here; the terminal of rdpm app says what."
+                )
 
 
 def _headers(pairs: Iterable[tuple[bytes, bytes]]) -> dict[str, str]:

@@ -70,7 +70,9 @@ class Launcher:
         """Queue a run again, to go on from its newest checkpoint."""
         files = self.work.run(name)
         if self.process(name) is not None:
-            raise CaseError(f'"{name}"', None, "must not be running", "a process works in its folder", "Wait for its end.")
+            raise CaseError(
+                f'"{name}"', None, "must not be running", "a process works in its folder", "Wait for its end."
+            )
         self._queue(files)
 
     def withdraw(self, name: str) -> bool:

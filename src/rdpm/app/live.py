@@ -160,7 +160,7 @@ class LiveRun:
         self._episodes = Follower(self.files.table("contacts"))
         domain = read_case(self.files).get("domain", {})
         with suppress(TypeError, ValueError, AttributeError):
-            self.box = np.array(domain["size"] if "size" in domain else self.box, np.float64).reshape(3)
+            self.box = np.array(domain.get("size", self.box), np.float64).reshape(3)
             self.gravity = np.array(domain.get("gravity", self.gravity), np.float64).reshape(3)
         self._seen_flow = (-1, -1)
 

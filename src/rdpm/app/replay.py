@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -46,11 +47,13 @@ class Replay:
         with ui.element("div").classes("rdpm-row"):
             self.play = button("Play", self._toggle, "play_arrow", is_main=True)
             for way, text in (("front", "From the front"), ("corner", "From a corner"), ("above", "From above")):
-                button(text, lambda way=way: self.scene.look(way))
+                button(text, partial(self.scene.look, way))
             self.switch = ui.switch("slice of the flow", value=True, on_change=self._switched)
             self.switch.set_visibility(bool(len(self.flow)))
             self.scale = html("")
-        self.slider = ui.slider(min=0, max=max(1, len(self.times) - 1), value=0).props('aria-label="Time of the replay"')
+        self.slider = ui.slider(min=0, max=max(1, len(self.times) - 1), value=0).props(
+            'aria-label="Time of the replay"'
+        )
         self.slider.on_value_change(lambda e: self.show(int(e.value or 0)))
         self.clock = html("", "rdpm-soft")
         self.timer = ui.timer(_EVERY, self._advance, active=False)

@@ -46,7 +46,9 @@ def live_curves(run: LiveRun) -> dict[str, Chart]:
     return {
         "velocity": chart_of("Settling velocity", "time [s]", "velocity along gravity [cm/s]", fall),
         "gap": chart_of("Smallest gap", "time [s]", "gap [mm]", gap),
-        "contacts": chart_of(f"Contacts so far: {len(run.contacts) or 'none'}", "start [s]", "largest overlap [% d]", dots),
+        "contacts": chart_of(
+            f"Contacts so far: {len(run.contacts) or 'none'}", "start [s]", "largest overlap [% d]", dots
+        ),
     }
 
 
@@ -117,9 +119,15 @@ def _contacts(runs: Sequence[Run], names: Sequence[str]) -> Chart:
         for kind in ("sphere-sphere", "sphere-wall"):
             of_kind = np.asarray(run.contacts["kind"]) == kind
             if of_kind.any():
-                start, deep = (np.asarray(run.contacts[key], np.float64)[of_kind] for key in ("start_s", "max_overlap_fraction"))
+                start, deep = (
+                    np.asarray(run.contacts[key], np.float64)[of_kind] for key in ("start_s", "max_overlap_fraction")
+                )
                 step = thinned(len(start))
-                dots.append(points(f"{name} {kind}".strip(), start[step], 100.0 * deep[step], n if name else kind == "sphere-wall"))
+                dots.append(
+                    points(
+                        f"{name} {kind}".strip(), start[step], 100.0 * deep[step], n if name else kind == "sphere-wall"
+                    )
+                )
     return chart_of("Contacts", "start [s]", "largest overlap [% d]", dots)
 
 
@@ -131,7 +139,10 @@ def _history(run: Run) -> dict[str, Chart]:
     def of(key: str) -> Any:
         return np.asarray(run.history[key], np.float64)[step]  # type: ignore[index]
 
-    energy = [line("fluid", times, 1e6 * of("kinetic_energy_fluid_J"), 6), line("bodies", times, 1e6 * of("kinetic_energy_bodies_J"), 0)]
+    energy = [
+        line("fluid", times, 1e6 * of("kinetic_energy_fluid_J"), 6),
+        line("bodies", times, 1e6 * of("kinetic_energy_bodies_J"), 0),
+    ]
     numerics = [line("CFL number", times, of("cfl"), 0), line("slip at the markers", times, of("slip"), 2)]
     return {
         "energy": chart_of("Kinetic energy", "time [s]", "energy [uJ]", energy),
@@ -154,7 +165,9 @@ def compared(runs: Sequence[Run], names: Sequence[str]) -> dict[str, Chart]:
             kiss = run.summary.dkt.kiss_time_s if run.summary.dkt else None
             kisses.append(mark(kiss, 0.0, f"{name}: first kiss") | {"symbolSize": 12})
     return {
-        "velocity": chart_of("Settling velocity (of many bodies the mean)", "time [s]", "velocity along gravity [cm/s]", fall),
+        "velocity": chart_of(
+            "Settling velocity (of many bodies the mean)", "time [s]", "velocity along gravity [cm/s]", fall
+        ),
         "trajectory": _trajectory(runs, names),
         "gap": chart_of("Smallest gap", "time [s]", "gap [mm]", [*gap, *kisses]),
         "contacts": _contacts(runs, names),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -104,7 +105,11 @@ class RunPage:
         now = self.status
         text, _ = STATES.get(now.state, (now.state, ""))
         self.title.set_content(f"<p>{escape(now.title)}</p>")
-        message = f'<p class="rdpm-{"bad" if now.state in ("failed", "guard") else "warn"}">{escape(now.message)}</p>' if now.message else ""
+        message = (
+            f'<p class="rdpm-{"bad" if now.state in ("failed", "guard") else "warn"}">{escape(now.message)}</p>'
+            if now.message
+            else ""
+        )
         self.progress.set_content(f"<p>{state(now.state, text)} {escape(_where(now))}</p>{_bar(now)}{message}")
         shown = {
             "pause": now.state == "running", "stop": now.state in ("running", "reporting"),
@@ -136,7 +141,7 @@ class RunPage:
             self.scene = SphereScene(self.live.box, diameter, up)
             with ui.element("div").classes("rdpm-row"):
                 for way, text in (("front", "From the front"), ("corner", "From a corner"), ("above", "From above")):
-                    button(text, lambda way=way: self.scene and self.scene.look(way))
+                    button(text, partial(self.scene.look, way))
                 switch = ui.switch("slice of the flow", value=True)
                 switch.on_value_change(lambda e: self._show_slice(bool(e.value)))
                 self.scale = html("")

@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 from nicegui import ui
 
-from rdpm.app.frame import chart, files_link, heading, html, state, table, written
+from rdpm.app.frame import chart, figure, files_link, heading, html, state, table, written
 from rdpm.app.replay import Replay
 from rdpm.app.run_figures import figures_of
 from rdpm.app.status import tail
@@ -45,12 +45,19 @@ def numbers_of(found: Summary) -> list[tuple[str, str]]:
         pair = found.dkt
         rows.append(("first kiss", written(pair.kiss_time_s, "s")))
         rows.append(("kisses", f"{pair.kisses}, {written(pair.kiss_duration_s, 's')} together"))
-        rows.append(("tumbling", f"{written(pair.tumble_time_s, 's')}, final angle {written(pair.final_angle_deg, 'degrees', 3)}"))
+        rows.append(
+            (
+                "tumbling",
+                f"{written(pair.tumble_time_s, 's')}, final angle {written(pair.final_angle_deg, 'degrees', 3)}",
+            )
+        )
     deepest = found.contacts.max_overlap_fraction
     overlap = f", largest overlap {100 * deepest:.3g} % d" if found.contacts.count and deepest is not None else ""
     rows.append(("contacts", f"{found.contacts.count}{overlap}"))
-    rows += [(f"contact {pair.kind}", f"k_n {written(pair.stiffness_N_m, 'N/m')}, eta_n {written(pair.damping_N_s_m, 'N s/m')}, "
-              f"t_c {written(pair.contact_time_s, 's')}, e_n {written(pair.restitution)}") for pair in found.contact.pairs]  # fmt: skip
+    for kind in found.contact.pairs:
+        spring = f"k_n {written(kind.stiffness_N_m, 'N/m')}, eta_n {written(kind.damping_N_s_m, 'N s/m')}"
+        spring += f", t_c {written(kind.contact_time_s, 's')}, e_n {written(kind.restitution)}"
+        rows.append((f"contact {kind.kind}", spring))
     cost = f", {written(found.ns_per_cell_step, 'ns a cell and step', 3)}" if found.ns_per_cell_step else ""
     rows.append(("wall time", f"{span(found.wall_s or 0.0)}{cost}, {found.threads} threads"))
     return rows
@@ -76,21 +83,15 @@ def show_results(run: Run, work: Workspace, has_replay: bool) -> None:
         heading("Video")
         still = place / "figures" / "bodies_3d.png"
         poster = f' poster="/files/{quote(work.name(still))}"' if still.is_file() else ""
-        html(f'<div class="rdpm-figure"><video controls preload="none"{poster} src="/files/{quote(work.name(run.folder.video))}">'
-             f"</video></div>")  # fmt: skip
+        source = f"/files/{quote(work.name(run.folder.video))}"
+        html(f'<div class="rdpm-figure"><video controls preload="none"{poster} src="{source}"></video></div>')
     if pictures:
         heading("Figures of the report")
         with ui.element("div").classes("rdpm-even"):
             for path in pictures:
-                html(_figure(work.name(path), path.stem.replace("_", " ")))
+                html(figure(work.name(path), path.stem.replace("_", " ")))
     _tables(run, work)
     _downloads(place, work)
-
-
-def _figure(name: str, text: str) -> str:
-    address = f"/files/{quote(name)}"
-    return (f'<figure class="rdpm-figure"><a href="{address}" target="_blank"><img loading="lazy" src="{address}" alt="{escape(text)}">'
-            f"</a><figcaption>{escape(text)}</figcaption></figure>")  # fmt: skip
 
 
 def _tables(run: Run, work: Workspace) -> None:
@@ -110,7 +111,9 @@ def table_end(path: Path) -> str:
             heads = next(csv.reader([file.readline()]), [])
     except OSError:
         return ""
-    rows = [row for row in csv.reader(tail(path, 8192).splitlines()[-_ROWS:]) if len(row) == len(heads) and row != heads]
+    rows = [
+        row for row in csv.reader(tail(path, 8192).splitlines()[-_ROWS:]) if len(row) == len(heads) and row != heads
+    ]
     return table(([_short(text) for text in row] for row in rows), heads, f"The last {len(rows)} rows", numbers=True)
 
 

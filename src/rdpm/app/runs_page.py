@@ -9,7 +9,7 @@ from urllib.parse import urlencode
 
 from nicegui import run, ui
 
-from rdpm.app.frame import frame, heading, html, link_to_run, problem, state
+from rdpm.app.frame import frame, heading, html, link_to_run, state
 from rdpm.app.settings import current
 from rdpm.app.status import RunStatus, status_of
 from rdpm.app.study_page import study_links
@@ -76,8 +76,8 @@ class RunsPage:
         self.work = current().work
         self.seen: list[Any] = []
         with frame("Runs", "runs"):
-            html('<p class="rdpm-soft">A new run starts from a <a href="/cases">case</a>; those started on the command line in '
-                 "this folder are here too.</p>")  # fmt: skip
+            start = 'A new run starts from a <a href="/cases">case</a>'
+            html(f'<p class="rdpm-soft">{start}; those started on the command line in this folder are here too.</p>')
             self.active = html("").props('role=status aria-label="Under way"')
             self.list = html("")
             links = study_links(self.work)
@@ -109,9 +109,10 @@ class RunsPage:
         ordered = [one for _, one in rows] + [one for given, one in known if given is None]
         heads = "".join(self._head(key) for key in _COLUMNS)
         body = "".join(_row(one) for one in ordered)
-        return (f'<form action="/overlay" method="get"><div class="rdpm-wide"><table><thead><tr><th scope="col">overlay</th>{heads}</tr>'
-                f"</thead><tbody>{body}</tbody></table></div><p>"
-                '<button class="rdpm-form-button" type="submit">Overlay the chosen, two to six</button></p></form>')  # fmt: skip
+        top = f'<thead><tr><th scope="col">overlay</th>{heads}</tr></thead>'
+        wide = f'<div class="rdpm-wide"><table>{top}<tbody>{body}</tbody></table></div>'
+        send = '<p><button class="rdpm-form-button" type="submit">Overlay the chosen, two to six</button></p>'
+        return f'<form action="/overlay" method="get">{wide}{send}</form>'
 
     def _head(self, key: str) -> str:
         is_here = key == self.sort
@@ -137,11 +138,5 @@ def _active(one: RunStatus) -> str:
     left = f", {span(one.left)} left" if one.left is not None else ""
     done = f"t = {one.time:.4g} of {one.end:.4g} s{left}" if one.time is not None and one.end else STATES[one.state][1]
     percent = round(100 * one.progress)
-    return (f"<p>{link_to_run(one.name)} {state(one.state, STATES[one.state][0])} {escape(done)}"
-            f'<progress max="100" value="{percent}" aria-label="{escape(one.name)}">{percent} %</progress></p>')  # fmt: skip
-
-
-def refuse(text: str) -> None:
-    """Show a page that says what is wrong."""
-    with frame("Not to be shown", "runs"):
-        html(problem(text))
+    bar = f'<progress max="100" value="{percent}" aria-label="{escape(one.name)}">{percent} %</progress>'
+    return f"<p>{link_to_run(one.name)} {state(one.state, STATES[one.state][0])} {escape(done)}{bar}</p>"

@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 from urllib.parse import quote
 
-from rdpm.app.frame import files_link, frame, heading, html, link_to_run, problem
+from rdpm.app.frame import figure, files_link, frame, heading, html, link_to_run, problem
 from rdpm.app.settings import current
 from rdpm.app.workspace import Workspace
 from rdpm.errors import CaseError, RdpmError
@@ -24,15 +24,19 @@ def study_links(work: Workspace) -> str:
     items = []
     for name in work.studies():
         title = _titles(StudyFolder(work.inside(name)))[0]
-        items.append(f'<li><a href="/study/{quote(name)}">{escape(name)}</a> <span class="rdpm-soft">{escape(title)}</span></li>')
+        items.append(
+            f'<li><a href="/study/{quote(name)}">{escape(name)}</a> <span class="rdpm-soft">{escape(title)}</span></li>'
+        )
     return f'<ul class="rdpm-list">{"".join(items)}</ul>' if items else ""
 
 
 def _titles(files: StudyFolder) -> tuple[str, str]:
     try:
         index = read_json(files.index)
-        part = next(iter(index.get("parts", [])), {})
-        return str(index.get("title") or part.get("title") or ""), str(index.get("question") or part.get("question") or "")
+        part: dict[str, str] = next(iter(index.get("parts", [])), {})
+        return str(index.get("title") or part.get("title") or ""), str(
+            index.get("question") or part.get("question") or ""
+        )
     except (RdpmError, AttributeError, TypeError):
         return "", ""
 
@@ -59,15 +63,15 @@ def study(name: str, sort: str = "") -> None:
     title, question = _titles(files)
     with frame(title or name, "runs"):
         html(f"<p>{escape(question)}</p>")
-        links = [files_link(work.name(path), text) for path, text in (
-            (files.path / "page.html", "The study as one page"), (files.table_csv, "table.csv"), (files.study, "study.toml"))
-            if path.is_file()]  # fmt: skip
+        files_of = {
+            "The study as one page": files.path / "page.html",
+            "table.csv": files.table_csv,
+            "study.toml": files.study,
+        }
+        links = [files_link(work.name(path), text) for text, path in files_of.items() if path.is_file()]
         html(f"<p>{' &middot; '.join(links)}</p>")
         for path in sorted(files.figures.glob("*.png"))[:40]:
-            address = f"/files/{quote(work.name(path))}"
-            said = escape(path.stem.replace("_", " "))
-            html(f'<figure class="rdpm-figure"><a href="{address}" target="_blank"><img loading="lazy" src="{address}" alt="{said}"></a>'
-                 f"<figcaption>{said}</figcaption></figure>")  # fmt: skip
+            html(figure(work.name(path), path.stem.replace("_", " ")))
         heading("Runs")
         html(_table(files, name, sort))
 
@@ -80,8 +84,13 @@ def _table(files: StudyFolder, name: str, sort: str) -> str:
         at = heads.index(sort)
         rows.sort(key=lambda row: _order(row[at]))
     seen = [n for n, head in enumerate(heads) if any(row[n] for row in rows)]  # columns that say something
-    top = "".join(f'<th scope="col"><a href="/study/{quote(name)}?sort={quote(heads[n])}">{escape(heads[n])}</a></th>' for n in seen)
-    body = "".join("<tr>" + "".join(f"<td>{_cell(files, heads[n], row[n], name)}</td>" for n in seen) + "</tr>" for row in rows)
+    top = "".join(
+        f'<th scope="col"><a href="/study/{quote(name)}?sort={quote(heads[n])}">{escape(heads[n])}</a></th>'
+        for n in seen
+    )
+    body = "".join(
+        "<tr>" + "".join(f"<td>{_cell(files, heads[n], row[n], name)}</td>" for n in seen) + "</tr>" for row in rows
+    )
     return f'<div class="rdpm-wide"><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
@@ -105,7 +114,11 @@ def _order(text: str) -> tuple[int, float, str]:
 
 
 def _cell(files: StudyFolder, head: str, text: str, name: str) -> str:
-    if head == "run" and text.replace("-", "").replace("_", "").replace(".", "").isalnum() and files.run(text).case.is_file():
+    if (
+        head == "run"
+        and text.replace("-", "").replace("_", "").replace(".", "").isalnum()
+        and files.run(text).case.is_file()
+    ):
         return link_to_run(f"{name}/runs/{text}", text)
     try:
         return f"{float(text):.6g}" if text else ""

@@ -114,10 +114,8 @@ class Workspace:
 
     def _folders(self) -> Iterator[tuple[Path, set[str]]]:
         """Each folder that may hold something, with the names of its files; links are not followed."""
-        seen = 0
-        for place, folders, files in os.walk(self.root):
-            seen += 1
-            if seen > _MOST_FOLDERS:
+        for seen, (place, folders, files) in enumerate(os.walk(self.root)):
+            if seen >= _MOST_FOLDERS:
                 return
             path, names = Path(place), set(files)
             is_run = "case.toml" in names and path != self.root

@@ -20,8 +20,8 @@ def app(
 ) -> None:
     """Open a page in the browser: design a contact, edit and check cases, run and watch them, look at results.
 
-    The address that is printed holds a token; without it nothing is answered. Runs are processes of their own: they go on
-    when the page is closed, and the page finds them again, as it finds runs that were started on the command line.
+    The address that is printed holds a token; without it nothing is answered. Runs are processes of their own: they go
+    on when the page is closed, and the page finds them again, as it finds runs started on the command line.
 
     Parameters
     ----------
@@ -42,7 +42,9 @@ def app(
         The folder is missing, the port is taken, or the page's libraries are not installed.
     """
     if not folder.is_dir():
-        raise CaseError("--folder", str(folder), "must be a folder", "it is not there", "Make it first, or name another.")
+        raise CaseError(
+            "--folder", str(folder), "must be a folder", "it is not there", "Make it first, or name another."
+        )
     if not 1 <= at_once <= 64:
         raise CaseError("--at-once", at_once, "must lie between 1 and 64")
     if threads is not None:
