@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from rdpm.results.tracks import Tracks
 
-__all__ = ["Plane", "viewing_plane"]
+__all__ = ["Plane", "circular_mean", "viewing_plane"]
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,9 @@ class Plane:
     position: float
 
 
-def viewing_plane(tracks: Tracks | None, box: ArrayLike, gravity: ArrayLike) -> Plane:
+def viewing_plane(
+    tracks: Tracks | None, box: ArrayLike, gravity: ArrayLike, period: ArrayLike | None = None
+) -> Plane:
     """The vertical plane through the bodies in which they move most.
 
     Parameters
@@ -40,6 +42,8 @@ def viewing_plane(tracks: Tracks | None, box: ArrayLike, gravity: ArrayLike) -> 
     box : array_like, (3,), [m]
     gravity : array_like, (3,), [m/s^2]
         Its largest component is vertical; z without gravity.
+    period : array_like, (3,), optional, [m]
+        Length of the box along periodic directions, 0 along others.
 
     Examples
     --------
@@ -47,10 +51,38 @@ def viewing_plane(tracks: Tracks | None, box: ArrayLike, gravity: ArrayLike) -> 
     Plane(across=0, up=2, normal=1, position=1.0)
     """
     size, g = np.asarray(box, np.float64), np.abs(np.asarray(gravity, np.float64))
+    repeat = np.zeros(3) if period is None else np.asarray(period, np.float64)
     up = int(np.argmax(g)) if g.any() else 2
     first, second = (n for n in range(3) if n != up)
     if tracks is None or tracks.count == 0 or tracks.count > 8:
         return Plane(first, up, second, float(0.5 * size[second]))
-    spread = np.ptp(tracks.position, axis=(0, 1))
+    # Each body's image nearest to the others at the start; its way is without jumps.
+    start = tracks.position[0]
+    middle = np.array([circular_mean(start[:, n], repeat[n]) for n in range(3)])
+    images = repeat * np.rint((start - middle) / np.where(repeat > 0.0, repeat, np.inf))
+    position = tracks.position - images
+    spread = np.ptp(position, axis=(0, 1))
     across, normal = (second, first) if spread[second] > 1.5 * spread[first] else (first, second)
-    return Plane(across, up, normal, float(np.mean(tracks.position[..., normal]) % size[normal]))
+    at = circular_mean(position[..., normal], repeat[normal])
+    return Plane(across, up, normal, float(np.clip(at, 0.0, size[normal])))
+
+
+def circular_mean(values: ArrayLike, period: float) -> float:
+    """Mean of positions along a periodic direction, in the box: across its seam as well; the common mean without one.
+
+    Parameters
+    ----------
+    values : array_like, [m]
+    period : float, [m]
+        0: not periodic.
+
+    Examples
+    --------
+    >>> round(circular_mean([0.95, 0.15], 1.0), 6), circular_mean([0.25, 0.75], 0.0)
+    (0.05, 0.5)
+    """
+    v = np.asarray(values, np.float64)
+    if period <= 0.0:
+        return float(v.mean())
+    turned = np.exp(2j * np.pi * v / period).mean()
+    return float(np.angle(turned) / (2.0 * np.pi) * period % period)
