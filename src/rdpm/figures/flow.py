@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rdpm.figures.plane import Plane
+from rdpm.figures.plane import Plane, draw_walls
 from rdpm.figures.style import FLOW_MAP, drawing, length_unit, save
 from rdpm.io.vtkhdf import field_grid, field_times, read_plane
 from rdpm.results.tracks import Tracks
@@ -129,6 +129,7 @@ def plot_flow(
         all_axes = figure.subplots(1, len(steps), sharey=not follows, squeeze=False)[0]
         for axes, step in zip(all_axes, steps, strict=True):
             image = _slice(axes, slices, step, width, height, speed_factor)
+            draw_walls(axes, plane, size, factor)
             if tracks is not None:
                 centres = factor * body_positions(tracks, slices.times[step])
                 d = factor * np.asarray(diameter, np.float64)

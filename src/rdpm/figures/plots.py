@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rdpm.conventions import OVERLAP_WARNING
-from rdpm.figures.plane import Plane
+from rdpm.figures.plane import Plane, draw_walls
 from rdpm.figures.style import ACCENT, PALETTE, drawing, length_unit, save
 from rdpm.results.dkt import KISS_GAP, TUMBLE_ANGLE, DktPhases, line_of_centres, pair_gap
 from rdpm.results.tracks import Tracks
@@ -122,7 +122,9 @@ def plot_trajectory(
     with drawing(4.0 + width, 5.6) as figure:
         grid = figure.add_gridspec(3, 2, width_ratios=[width, 4.0])
         d = factor * np.asarray(diameter, np.float64)
-        _paths(figure.add_subplot(grid[:, 0]), factor * tracks.position, d, factor * size, plane, unit)
+        map_axes = figure.add_subplot(grid[:, 0])
+        draw_walls(map_axes, plane, size, factor)
+        _paths(map_axes, factor * tracks.position, d, factor * size, plane, unit)
         panels = [figure.add_subplot(grid[n, 1]) for n in range(3)]
         for n, axes in enumerate(panels):
             axes.sharex(panels[-1])

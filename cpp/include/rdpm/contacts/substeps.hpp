@@ -71,7 +71,7 @@ struct Progress {
     double max_overlap;  // [-], of the smaller diameter
 };
 
-// A pair's partners as the driver sees them; a wall has no mass, rotation or acceleration of its own.
+// A pair's partners as the driver sees them; a wall has no mass and no acceleration.
 struct Partners {
     std::int64_t i, j;
     double inverse_mass_i, inverse_mass_j, inverse_moment_i, inverse_moment_j, smaller_diameter;
@@ -83,7 +83,9 @@ inline Partners partners_of(const BodyArrays& b, const Box& box, std::int64_t i,
     Partners p{i,    j,   b.inverse_mass[i], 0, b.inverse_moment[i], 0, 2 * b.radius[i], nullptr, none,
                none, none};
     if (j < 0) {
-        p.vj = box.wall_velocity + 3 * (-1 - j);
+        const int wall = static_cast<int>(-1 - j);
+        p.vj = wall_velocity(box, wall);
+        if (wall >= kFirstInner) p.wj = box.walls[wall - kFirstInner].angular_velocity;
     } else {
         p.inverse_mass_j = b.inverse_mass[j];
         p.inverse_moment_j = b.inverse_moment[j];
