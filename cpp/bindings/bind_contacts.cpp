@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "check.hpp"
+#include "rdpm/contacts/adaptive.hpp"
 #include "rdpm/contacts/events.hpp"
 #include "rdpm/contacts/hertz.hpp"
 #include "rdpm/contacts/motion.hpp"
@@ -124,6 +125,7 @@ Facts contact_layouts() {
 }
 
 constexpr contacts::Kernel soft_sphere = contacts::kernel_of<contacts::SoftSphere>();
+constexpr contacts::Kernel adaptive = contacts::kernel_of<contacts::AdaptiveCollisionTime>();
 constexpr contacts::Kernel hertz = contacts::kernel_of<contacts::Hertz>();
 constexpr contacts::Kernel repulsive = contacts::kernel_of<contacts::Repulsive>();
 
@@ -385,6 +387,7 @@ void bind_contacts(nb::module_& module) {
         .def_prop_ro("parameters", [](const contacts::Kernel& k) { return layout_dict(k.parameters); })
         .def_prop_ro("history", [](const contacts::Kernel& k) { return layout_dict(k.history); });
     module.def("soft_sphere_kernel", [] { return &soft_sphere; }, nb::rv_policy::reference);
+    module.def("adaptive_kernel", [] { return &adaptive; }, nb::rv_policy::reference);
     module.def("hertz_kernel", [] { return &hertz; }, nb::rv_policy::reference);
     module.def("repulsive_kernel", [] { return &repulsive; }, nb::rv_policy::reference);
     module.def("contact_layouts", &contact_layouts);

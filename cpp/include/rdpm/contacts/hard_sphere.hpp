@@ -76,8 +76,8 @@ inline double time_to_touch(const double* r, const double* u, const double* a, d
     return t;
 }
 
-// Time until a sphere touches a wall: one parabola for a plane; a cylinder from outside is a sphere seen along
-// the axis. The inside of one has no such bound from below, and is no wall of hard spheres.
+// Time until a sphere touches a wall: one parabola for a plane; a cylinder from outside is a sphere seen
+// along the axis. The inside of one has no such bound from below, and is no wall of hard spheres.
 inline double time_to_wall(const Box& box, int wall, const Geometry& g, const double* u, const double* a,
                            double radius, double left) {
     if (wall < kFirstInner || box.walls[wall - kFirstInner].shape == kPlane)

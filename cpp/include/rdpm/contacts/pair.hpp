@@ -22,8 +22,8 @@ struct Box {
     int inner_walls;
 };
 
-// Walls are numbered: faces 0..5 (x lower, x upper, y lower, ...), then kFirstInner + n. Wall w is partner -1 - w
-// of a body; partner -7 is none.
+// Walls are numbered: faces 0..5 (x lower, x upper, y lower, ...), then kFirstInner + n. Wall w is partner -1
+// - w of a body; partner -7 is none.
 inline constexpr int kFaces = 6, kFirstInner = 7;
 
 template <class Visit>

@@ -168,7 +168,7 @@ inline void record(ContactState& s, const Window& w, double t, double h, double 
 
 // One pair, one sub-step; returns whether its contact is over (the surfaces have parted).
 template <ContactLaw Law>
-bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::Parameters& law,
+bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::Parameters& row,
                 const LubricationRow* lubrication, ContactState& s, typename Law::History& history, double t,
                 Progress& progress) {
     const BodyArrays& b = task.bodies;
@@ -184,7 +184,9 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
     }
     const double u_mid = u - 0.5 * acceleration;
     const double lambda = lubrication ? lubrication->mean_resistance(-g.overlap, 0.5 * h * u_mid) : 0;
-    const Window w = Law::window(law, {g.overlap, u_mid, h, s.phase == kTouching});
+    const Approach approach{g.overlap, u_mid, h, s.phase == kTouching};
+    const auto& law = row_of<Law>(row, history, approach);
+    const Window w = Law::window(law, approach);
     if (w.share() == 0 && lambda == 0 && s.phase == kApart) return false;
 
     const double inverse_mass = p.inverse_mass_i + p.inverse_mass_j;
