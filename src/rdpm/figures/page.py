@@ -150,7 +150,7 @@ def video_beside(source: str, caption: str) -> str:
 
     Examples
     --------
-    >>> "src=\"videos/a.mp4\"" in video_beside("videos/a.mp4", "Two spheres.")
+    >>> 'src="videos/a.mp4"' in video_beside("videos/a.mp4", "Two spheres.")
     True
     """
     player = f'<video controls loop muted playsinline preload="metadata" src="{escape(source)}"></video>'
