@@ -16,8 +16,9 @@ from rdpm.io.files import reporting
 from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, TableWriter
 from rdpm.io.vtkhdf import BodyWriter, FieldWriter
 from rdpm.io.wall_surface import write_walls
-from rdpm.results.contacts import is_pressed
+from rdpm.results.contacts import NOT_OUTSIDE, count_reasons, is_pressed, outside_range
 from rdpm.results.run_folder import TABLES, RunFolder
+from rdpm.results.summary import ContactDesign
 from rdpm.simulation.schedule import Every
 from rdpm.simulation.time_loop import TimeLoop
 
@@ -42,8 +43,8 @@ class Recorder:
         What `state` gave: the files are continued from there, later rows and fields dropped.
     note : callable, optional
         Gets a sentence about a file that could not be continued.
-    contact_times : mapping of str to float, optional, [s]
-        Of the design, by kind of contact: tells impacts from pressed contacts.
+    design : ContactDesign, optional
+        Tells impacts from pressed contacts, and what left the range that it promises.
     """
 
     def __init__(
@@ -54,10 +55,10 @@ class Recorder:
         fields_every: float,
         resumed: tuple[Mapping[str, NDArray[Any]], Mapping[str, Any]] | None = None,
         note: Callable[[str], None] | None = None,
-        contact_times: Mapping[str, float] | None = None,
+        design: ContactDesign | None = None,
     ) -> None:
         self.simulation = simulation
-        self._contact_times = contact_times or {}
+        self._design = design or ContactDesign()
         self._tables, self._fields = Every(table_every), Every(fields_every)
         fluid, bodies = simulation.fluid, simulation.bodies
         self._contact_impulse = np.zeros((len(bodies), 3))
@@ -66,6 +67,7 @@ class Recorder:
         self._deepest = 0.0
         self.episodes: dict[str, Any] = {
             "count": 0, "pressed": 0, "max_overlap_fraction": 0.0, "total_time_s": 0.0, "came_to_rest": 0, "capped": 0,
+            "outside": 0, "outside_reasons": {},
         }  # fmt: skip
         self.max_speed = np.linalg.norm(bodies.velocity, axis=1)
         arrays, facts = resumed or ({}, {})
@@ -137,9 +139,16 @@ class Recorder:
         rows = self.simulation.system.contacts.take_episodes()
         if not len(rows):
             return
-        pressed = is_pressed(rows["kind"], rows["stokes_number"], rows["duration_s"], self._contact_times)
+        pressed = is_pressed(rows["kind"], rows["stokes_number"], rows["duration_s"], self._design.contact_times)
         rows["restitution"][pressed] = np.nan
-        self._contacts.write([[row[name] for name in CONTACT_COLUMNS] for row in rows])
+        outside = outside_range(rows, pressed, self._design)
+        self._contacts.write(
+            [[*(row[name] for name in CONTACT_COLUMNS[:-1]), said] for row, said in zip(rows, outside, strict=True)]
+        )
+        reasons = self.episodes["outside_reasons"]
+        for reason, count in count_reasons(outside).items():
+            reasons[reason] = reasons.get(reason, 0) + count
+        self.episodes["outside"] += int((outside != NOT_OUTSIDE).sum())
         self.episodes["pressed"] += int(pressed.sum())
         self.episodes["count"] += len(rows)
         self.episodes["total_time_s"] += float(rows["duration_s"].sum())

@@ -69,7 +69,7 @@ class Plan:
     def warnings(self) -> list[str]:
         """Rows with a warning, as sentences."""
         return [
-            f"{row.name} = {row.value}: {row.note}"
+            row.note if row.severity else f"{row.name} = {row.value}: {row.note}"
             for _, rows in self.sections
             for row in rows
             if row.verdict == "warning"

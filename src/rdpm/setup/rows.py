@@ -19,9 +19,6 @@ from rdpm.setup.scales import Scales, available_memory
 
 __all__ = ["EXPECTED_NS", "PlanRow", "hard_sphere_rows", "sections"]
 
-#: Whether a row is ok, by the severity of its verdict; a note is neither.
-_OK: dict[str, bool | None] = {"ok": True, "note": None, "fail": False}
-
 #: Nanoseconds a cell and step on one thread, for the estimate of a run's time.
 EXPECTED_NS = 20.0
 
@@ -41,12 +38,21 @@ COMPARED_STEPS = 8.0
 
 @dataclass(frozen=True)
 class PlanRow:
-    """One line of what a case implies."""
+    """One line of what a case implies.
+
+    Attributes
+    ----------
+    name, value, note : str
+    verdict : {"", "ok", "warning"}
+    severity : {"", "ok", "note", "fail"}
+        Of a design's verdict; the note is then the whole of it, with value, sign, limit and condition.
+    """
 
     name: str
     value: str
     verdict: Verdict = ""
     note: str = ""
+    severity: str = ""
 
 
 def sections(
@@ -187,10 +193,11 @@ def _listed(known: list[Row]) -> list[PlanRow]:
 
 
 def _verdicts(verdicts: tuple[design.Verdict, ...]) -> list[PlanRow]:
+    told: dict[str, Verdict] = {"ok": "ok", "note": "", "fail": "warning"}
     rows = []
-    for verdict in verdicts:
-        value = "-" if verdict.value is None else f"{verdict.value:.4g}"
-        rows.append(_row(verdict.name, value, _OK[verdict.severity], verdict.text))
+    for one in verdicts:
+        value = "-" if one.value is None else f"{one.value:.4g}"
+        rows.append(PlanRow(one.name, value, told[one.severity], one.text, one.severity))
     return rows
 
 
