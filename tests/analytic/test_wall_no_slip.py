@@ -56,7 +56,10 @@ def test_a_moving_tube_moves_its_fluid() -> None:
 
 
 def test_a_sphere_settles_slower_in_a_tube() -> None:
-    """Wall factor of Haberman and Sayre (1958), half the tube's diameter, at 8 cells a diameter: within 10 %."""
+    """Wall factor of Haberman and Sayre (1958), half the tube's diameter: at 8 cells a diameter 10 to 15 % high.
+
+    Two surfaces held by markers, four cells apart: as high as of two spheres (docs/validation.md).
+    """
     d, mu, density, ratio = 5e-3, 0.1, 1000.0, 1.5
     h, share = d / 8, 0.5
     exact = (1 - 0.75857 * share**5) / (
@@ -75,7 +78,7 @@ def test_a_sphere_settles_slower_in_a_tube() -> None:
     }
     sim = rdpm.Simulation(rdpm.load_case(case), threads=1)
     sim.run(until=0.12 * (d / share) ** 2 / (mu / density))
-    assert stokes / -sim.bodies.velocity[0, 2] == pytest.approx(exact, rel=0.10)
+    assert 1.0 < stokes / -sim.bodies.velocity[0, 2] / exact < 1.16
     assert np.abs(sim.bodies.velocity[0, :2]).max() < 1e-6 * stokes
 
 
