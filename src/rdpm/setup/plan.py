@@ -20,6 +20,7 @@ from rdpm.setup.plausible import implausible
 from rdpm.setup.rows import PlanRow, hard_sphere_rows, sections
 from rdpm.setup.scales import Scales, available_memory, memory_needed, scales
 from rdpm.setup.time_step import time_step
+from rdpm.setup.walls import check_room_behind
 from rdpm.simulation.step_control import StepControl
 
 __all__ = ["PairKind", "Plan", "PlanRow", "plan"]
@@ -121,6 +122,7 @@ def plan(case: Case, contact_step: float | None = None) -> Plan:
     cells = _cells(case)
     spacing = _spacing(case, cells) if cells else None
     h = float(np.cbrt(np.prod(spacing))) if spacing else math.inf
+    check_room_behind(case, h)
     kinds = kinds_of_pairs(case)
     limit = contact_limit(case, kinds, found.fall, h)
     step = time_step(case, spacing, found.speed, limit, contact_step)

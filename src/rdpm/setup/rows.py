@@ -32,9 +32,6 @@ _LIMITS = {
     "output": "one step to the end",
 }
 
-#: Contact steps of the soft sphere that a hard one is compared with.
-COMPARED_STEPS = 8.0
-
 
 @dataclass(frozen=True)
 class PlanRow:
@@ -225,10 +222,10 @@ def hard_sphere_rows(case: Case, dt: float, fall: float) -> list[PlanRow]:
     ]
     if fall > 0.0 and law.restitution > 0.0:
         diameter = float(case.expanded_bodies().diameter.min())
-        error = design.finite_contact_error(COMPARED_STEPS * dt, law.restitution, diameter, fall)
+        error = design.finite_contact_error(design.COMPARED_STEPS * dt, law.restitution, diameter, fall)
         rows.append(
             PlanRow(
-                f"a soft sphere of {COMPARED_STEPS:g} steps",
+                f"a soft sphere of {design.COMPARED_STEPS:g} steps",
                 f"{100.0 * error.time_ratio:.3g} % of d / v in contact",
                 "",
                 f"would overlap by {100.0 * error.overlap:.3g} % of d and lag by {100.0 * error.lag:.3g} % of d",
