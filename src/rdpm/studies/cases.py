@@ -9,7 +9,7 @@ from typing import Any
 
 from rdpm.config.body_file import read_body_files
 from rdpm.config.case import Case
-from rdpm.config.contact import DEFAULT_CONTACT
+from rdpm.config.contact import DEFAULT_CONTACT, keys_of_other_models
 from rdpm.config.load import load_case
 from rdpm.config.overrides import set_value, unset_value
 from rdpm.config.source import parse_toml, read_source
@@ -61,7 +61,8 @@ def changed(
     """The same with keys left out and set.
 
     A contact parameter that is set takes the place of those set before that it cannot stand beside: with
-    ``contact.stiffness``, the ``contact_steps`` of a base go and its ``restitution`` stays.
+    ``contact.stiffness``, the ``contact_steps`` of a base go and its ``restitution`` stays. With ``contact.model``,
+    what that model does not know goes.
 
     Parameters
     ----------
@@ -89,19 +90,28 @@ def changed(
         unset_value(made, key, f"{place}: unset")
     notes: list[str] = []
     for values in sets:
-        given: set[str] = set()
         for key, value in values.items():
             set_value(made, key, copy.deepcopy(value), f"{place}: {key}")
-            table, _, name = key.partition(".")
-            if table == "contact" and name in _CONTACT_PARAMETERS:
-                given.add(name)
-        notes += _give_way(made, given)
+        given = {key.partition(".")[2] for key in values if key.startswith("contact.")}
+        notes += _give_way_to_model(made, given)
+        notes += _give_way(made, given & _CONTACT_PARAMETERS)
     return made, notes
+
+
+def _give_way_to_model(raw: Raw, given: set[str]) -> list[str]:
+    """Leave out what another model of contacts does not know, if it was not set beside the model."""
+    contact = raw.get("contact")
+    if "model" not in given or not isinstance(contact, dict):
+        return []
+    gone = sorted((keys_of_other_models(str(contact["model"])) & set(contact)) - given)
+    for name in gone:
+        del contact[name]
+    return [f"contact.{name} gives way to model = {contact['model']}" for name in gone]
 
 
 def _give_way(raw: Raw, given: set[str]) -> list[str]:
     contact = raw.get("contact")
-    if not given or not isinstance(contact, dict):
+    if not given or not isinstance(contact, dict) or contact.get("model", "soft-sphere") != "soft-sphere":
         return []
     present = _CONTACT_PARAMETERS & set(contact)
     known = present | (set(DEFAULT_CONTACT) if present == given else set())
