@@ -88,6 +88,8 @@ def tune(
     CaseError
         The case or an option is wrong, or nothing touches.
     """
+    from rdpm.cli.progress import say
+    from rdpm.cli.source import case_source
     from rdpm.config.load import case_name
     from rdpm.parallel.ranks import working_ranks
     from rdpm.studies.tuning.options import TuneOptions
@@ -105,9 +107,12 @@ def tune(
     words = sys.argv[1:] if sys.argv[1:2] == ["tune"] else ["tune", case]
     command = shlex.join(["rdpm", *words])
     path = out or Path(f"{case_name(case)}-tune")
+    source, _, note = case_source(case)
+    if note and not quiet:
+        say(note)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        found = run(case, path, options, overrides=set_, workers=workers, quiet=quiet, command=command)
+        found = run(source, path, options, overrides=set_, workers=workers, quiet=quiet, command=command)
     except KeyboardInterrupt:
         print(f"rdpm: interrupted. To continue: {command}", file=sys.stderr)
         return 130

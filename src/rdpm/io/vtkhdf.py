@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from rdpm.errors import CaseError
 from rdpm.io.appending import appending, reserve
 from rdpm.io.files import replacing
+from rdpm.io.packing import PACKED, append_rounded
 from rdpm.io.sphere_surface import sphere_surface
 
 if TYPE_CHECKING:
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 __all__ = ["BodyWriter", "FieldWriter", "field_grid", "field_times", "read_fields", "read_plane"]
 
 Floats = NDArray[np.float64]
-_PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}   # VTK reads no lzf
 _POINTS = 65536   # a chunk of the bodies' surfaces
 _CHUNK = 32   # cells an edge: a plane in any direction reads a part of the file only
 
@@ -62,6 +62,8 @@ class FieldWriter:
     keep_until : float, optional, [s]
         Continue an existing file: steps after this time are dropped, later ones appended. Without it
         an older file is replaced.
+    tolerance : float, [-]
+        Rounds by at most so much of the largest magnitude of a step, and compresses; 0 keeps single precision.
 
     Raises
     ------
@@ -84,8 +86,9 @@ class FieldWriter:
         cells: tuple[int, int, int],
         spacing: tuple[float, float, float],
         keep_until: float | None = None,
+        tolerance: float = 0.0,
     ) -> None:
-        self.path = Path(path)
+        self.path, self.tolerance = Path(path), tolerance
         self.shape = (int(cells[2]), int(cells[1]), int(cells[0]))
         if keep_until is not None and self.path.exists():
             self._rewind(keep_until)
@@ -111,9 +114,9 @@ class FieldWriter:
             for name, tail in (("velocity", (3,)), ("pressure", ())):
                 shape = (*self.shape, *tail)
                 chunk = (1, *[-(-n // -(-n // _CHUNK)) for n in self.shape], *tail)   # equal pieces: no padding
+                packing: dict[str, Any] = PACKED if self.tolerance > 0.0 else {}   # unrounded it would save a third
                 data.create_dataset(
-                    # raw: packing costs more than the steps between two pictures, and saves a third
-                    name, shape=(0, *shape), maxshape=(None, *shape), dtype="f4", chunks=chunk
+                    name, shape=(0, *shape), maxshape=(None, *shape), dtype="f4", chunks=chunk, **packing
                 )
                 offsets.create_dataset(name, shape=(0,), maxshape=(None,), dtype="i8", chunks=(256,))
 
@@ -134,7 +137,7 @@ class FieldWriter:
         time : float, [s]
             Later than the step before.
         velocity : array_like, (nz, ny, nx, 3), [m/s]
-            u, v, w at the cells' centres; stored in single precision.
+            u, v, w at the cells' centres.
         pressure : array_like, (nz, ny, nx), [Pa]
 
         Raises
@@ -152,7 +155,7 @@ class FieldWriter:
         with appending(self.path, u.nbytes + p.nbytes) as root:
             step = int(root["Steps"].attrs["NSteps"])
             for name, values in (("velocity", u), ("pressure", p)):
-                _append(root["CellData"][name], values[None])
+                append_rounded(root["CellData"][name], values, self.tolerance)
                 _append(root["Steps/CellDataOffsets"][name], np.array([step]))
             _append(root["Steps/Values"], np.array([time]))
             root["Steps"].attrs["NSteps"] = step + 1
@@ -325,14 +328,14 @@ class BodyWriter:
             group.create_dataset("Connectivity", data=cells[:used].ravel())
         root.create_dataset("NumberOfPoints", data=np.array([count * size]))
         chunk = (max(1, min(count * size, _POINTS)), 3)
-        root.create_dataset("Points", (0, 3), maxshape=(None, 3), dtype="f4", chunks=chunk, **_PACKED)
+        root.create_dataset("Points", (0, 3), maxshape=(None, 3), dtype="f4", chunks=chunk, **PACKED)
         data, steps = root.create_group("PointData"), root["Steps"]
         offsets = steps.create_group("PointDataOffsets")
         data.create_dataset("id", data=np.repeat(np.arange(count), size))
         for name, width in self._VALUES:
             tail = (width,) if width > 1 else ()
             data.create_dataset(
-                name, (0, *tail), maxshape=(None, *tail), dtype="f4", chunks=(chunk[0], *tail), **_PACKED
+                name, (0, *tail), maxshape=(None, *tail), dtype="f4", chunks=(chunk[0], *tail), **PACKED
             )
         for name in data:
             offsets.create_dataset(name, shape=(0,), maxshape=(None,), dtype="i8", chunks=(256,))

@@ -43,6 +43,8 @@ class Recorder:
         Gets a sentence about a file that could not be continued.
     contact_times : mapping of str to float, optional, [s]
         Of the design, by kind of contact: tells impacts from pressed contacts.
+    fields_tolerance : float, [-]
+        Of the fields, as `FieldWriter` takes it.
     """
 
     def __init__(
@@ -54,6 +56,7 @@ class Recorder:
         resumed: tuple[Mapping[str, NDArray[Any]], Mapping[str, Any]] | None = None,
         note: Callable[[str], None] | None = None,
         contact_times: Mapping[str, float] | None = None,
+        fields_tolerance: float = 0.0,
     ) -> None:
         self.simulation = simulation
         self._contact_times = contact_times or {}
@@ -77,9 +80,9 @@ class Recorder:
             self._flow = self._shapes = None
             until = simulation.time if resumed else None
             if fields_every > 0.0 and fluid:
-                cells, spacing = fluid.grid.cells, fluid.grid.spacing
+                grid = fluid.grid.cells, fluid.grid.spacing
                 self._flow = _continued(
-                    folder.fields, until, note, lambda path, keep: FieldWriter(path, cells, spacing, keep)
+                    folder.fields, until, note, lambda path, keep: FieldWriter(path, *grid, keep, fields_tolerance)
                 )
             if fields_every > 0.0 and len(bodies):
                 self._shapes = _continued(folder.bodies, until, note, BodyWriter)

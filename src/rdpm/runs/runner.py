@@ -232,7 +232,7 @@ class _Run:
         resumed = (saved.part("recorder"), saved.facts["recorder"]) if saved is not None and self.is_same else None
         with Recorder(
             simulation, files, output.table_every or 0.0, output.fields_every or 0.0, resumed, self.teller.warn,
-            contact_design(simulation).contact_times,
+            contact_design(simulation).contact_times, output.fields_tolerance,
         ) as recorder:
             every = output.checkpoint_every or 0.0
             checkpoints = Checkpoints(simulation, recorder, files, text, every, output.checkpoints_kept)

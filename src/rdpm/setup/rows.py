@@ -48,6 +48,21 @@ class PlanRow:
     verdict: Verdict = ""
     note: str = ""
 
+    @property
+    def sentence(self) -> str:
+        """The row as one sentence."""
+        return f"{self.name} = {self.value}: {self.note}"
+
+
+@dataclass(frozen=True)
+class VerdictRow(PlanRow):
+    """A verdict of the design, whose note says what it is about and its value."""
+
+    @property
+    def sentence(self) -> str:
+        """The note alone."""
+        return self.note
+
 
 def sections(
     case: Case,
@@ -187,10 +202,11 @@ def _listed(known: list[Row]) -> list[PlanRow]:
 
 
 def _verdicts(verdicts: tuple[design.Verdict, ...]) -> list[PlanRow]:
-    rows = []
+    rows: list[PlanRow] = []
     for verdict in verdicts:
         value = "-" if verdict.value is None else f"{verdict.value:.4g}"
-        rows.append(_row(verdict.name, value, _OK[verdict.severity], verdict.text))
+        row = _row(verdict.name, value, _OK[verdict.severity], verdict.text)
+        rows.append(VerdictRow(row.name, row.value, row.verdict, row.note))
     return rows
 
 

@@ -5,19 +5,21 @@ from __future__ import annotations
 import copy
 import tomllib
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
+from rdpm.cases import shipped_names
 from rdpm.config.body_file import read_body_files
 from rdpm.config.case import Case
 from rdpm.config.contact import DEFAULT_CONTACT, keys_of_other_models
 from rdpm.config.load import load_case
 from rdpm.config.overrides import set_value, unset_value
-from rdpm.config.source import parse_toml, read_source
+from rdpm.config.source import local_file, parse_toml, read_source
 from rdpm.config.write import case_to_toml
 from rdpm.errors import CaseError
 from rdpm.setup import plan
 
-__all__ = ["base_raw", "changed", "flat_case", "start_case", "varied_numerics", "with_start_key"]
+__all__ = ["base_raw", "base_source", "changed", "flat_case", "start_case", "varied_numerics", "with_start_key"]
 
 Raw = dict[str, Any]
 
@@ -32,14 +34,31 @@ _CONTACT_PARAMETERS = set().union(*_WAYS)
 _LUBRICATION = ("lubrication", "lubrication_roughness")
 
 
-def base_raw(source: Any, folder: Any) -> Raw:
+def base_source(source: str, folder: Path | None) -> tuple[str | Path, str]:
+    """Where the base case of a study is, and a line to tell where that is not plain.
+
+    Parameters
+    ----------
+    source : str
+        A shipped name, or a path from `folder`.
+    folder : pathlib.Path or None
+        Of the study file, where a file ``NAME.toml`` goes before the shipped case NAME; None for a study that is no
+        file.
+    """
+    if source not in shipped_names():
+        return (folder or Path()) / source, ""
+    local = None if folder is None else local_file(source, folder)
+    return local or (source, "")
+
+
+def base_raw(source: str | Raw, folder: Path | None) -> Raw:
     """What the base case of a study holds.
 
     Parameters
     ----------
     source : str or dict
-        A shipped name, a path from `folder`, or a dict.
-    folder : pathlib.Path
+        As for `base_source`, or the case itself.
+    folder : pathlib.Path or None
 
     Raises
     ------
@@ -47,9 +66,7 @@ def base_raw(source: Any, folder: Any) -> Raw:
     """
     if isinstance(source, dict):
         return copy.deepcopy(source)
-    from rdpm.cases import shipped_names
-
-    text, label, home = read_source(source if source in shipped_names() else folder / source)
+    text, label, home = read_source(base_source(source, folder)[0])
     raw = parse_toml(text, label)
     read_body_files(raw, home, {})
     return raw
