@@ -60,8 +60,7 @@ class FieldWriter:
     spacing : tuple of float, (3,), [m]
         dx, dy, dz.
     keep_until : float, optional, [s]
-        Continue an existing file: steps after this time are dropped, later ones appended. Without it
-        an older file is replaced.
+        Continues a file: steps after this time are dropped, later ones appended. Without it an older file is replaced.
     tolerance : float, [-]
         Rounds by at most so much of the largest magnitude of a step, and compresses; 0 keeps single precision.
 

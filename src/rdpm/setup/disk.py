@@ -67,7 +67,7 @@ def fields_disk(case: Case, cells: tuple[int, int, int] | None, steps: int, star
     --------
     >>> from rdpm.config.load import load_case
     >>> str(fields_disk(load_case("dkt"), (54, 54, 270), 1000))
-    '41 pictures, 44 to 177 MB'
+    '41 pictures, 44.2 MB to 177 MB'
     >>> str(fields_disk(load_case("dkt", ["output.fields_tolerance=0"]), (54, 54, 270), 1000))
     '41 pictures, 516 MB'
     """
