@@ -168,7 +168,7 @@ def _show_plan(prepared: Prepared, workers: int) -> None:
     console.print(f"\n{rows} rows of the table" + (f", {shared} of runs that are made once" if shared else ""))
     console.print(
         f"{workers} at once: about {span(prepared.expected_seconds(workers))}, {prepared.memory(workers) / 1e6:.0f} MB "
-        f"of memory, at most {prepared.disk(workers) / 1e6:.0f} MB of disk"
+        f"of memory, at most {prepared.disk(workers) / 1e6:.0f} MB of disk; {prepared.disk_left / 1e6:.0f} MB stay"
     )
     for note in dict.fromkeys(note for run in prepared.runs for note in run.notes):
         console.print(note if note.startswith("note: ") else f"note: {note}")

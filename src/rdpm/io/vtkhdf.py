@@ -14,7 +14,7 @@ from rdpm.errors import CaseError
 from rdpm.io.appending import appending, reserve
 from rdpm.io.files import replacing
 from rdpm.io.packing import PACKED, append_rounded
-from rdpm.io.sphere_surface import sphere_surface
+from rdpm.io.sphere_surface import sphere_surface, surface_level
 
 if TYPE_CHECKING:
     import h5py
@@ -316,7 +316,7 @@ class BodyWriter:
 
     def _create(self, root: h5py.Group, count: int) -> None:
         """Everything that does not change from step to step: triangles and ids are stored once."""
-        points, triangles = sphere_surface(_level(count))
+        points, triangles = sphere_surface(surface_level(count))
         size = len(points)
         cells = (triangles[None] + size * np.arange(count)[:, None, None]).reshape(-1, 3)
         for name, used in (("Vertices", 0), ("Lines", 0), ("Polygons", len(cells)), ("Strips", 0)):
@@ -372,7 +372,7 @@ class BodyWriter:
         centre = np.asarray(position, np.float64).reshape(-1, 3)
         count = len(centre)
         radius = 0.5 * np.asarray(diameter, np.float64).reshape(count)
-        unit, _ = sphere_surface(_level(count))
+        unit, _ = sphere_surface(surface_level(count))
         u = np.asarray(velocity, np.float64).reshape(count, 3)
         omega = np.asarray(angular_velocity, np.float64).reshape(count, 3)
         values = {"velocity": u, "angular_velocity": omega, "speed": np.linalg.norm(u, axis=1)}
@@ -394,7 +394,3 @@ class BodyWriter:
             for name in self._EACH_STEP[4:]:
                 _append(steps[name], np.zeros((1, 4), np.int64))
             steps.attrs["NSteps"] = int(steps.attrs["NSteps"]) + 1
-
-
-def _level(count: int) -> int:
-    return 3 if count <= 20 else 2 if count <= 200 else 1 if count <= 2000 else 0

@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 
 from rdpm.config.case import Case
+from rdpm.io.sphere_surface import surface_level
 
-__all__ = ["FieldsDisk", "fields_disk"]
+__all__ = ["FieldsDisk", "bodies_disk", "fields_disk"]
 
 #: Velocity and pressure of a cell in single precision [bytes].
 CELL = 16
@@ -17,6 +18,10 @@ VALUES = 4
 
 #: Part of the largest size that rounded fields take where most of the fluid is hardly disturbed.
 QUIET = 0.25
+
+
+#: Of ``bodies.vtkhdf``: its begun chunks, and of a point its triangles and its values in a picture, compressed [bytes].
+BODIES, TRIANGLES, POINT = 85_000, 80, 10
 
 
 @dataclass(frozen=True)
@@ -80,6 +85,18 @@ def fields_disk(case: Case, cells: tuple[int, int, int] | None, steps: int, star
         return FieldsDisk(count, CELL * values, CELL * values)
     most = min(VALUES * math.log2(1.0 / tolerance) / 8.0, CELL) * values
     return FieldsDisk(count, int(QUIET * most), int(most))
+
+
+def bodies_disk(bodies: int, pictures: int) -> int:
+    """What ``bodies.vtkhdf`` takes, about [bytes].
+
+    Examples
+    --------
+    >>> bodies_disk(2, 41)
+    714160
+    """
+    points = bodies * (10 * 4 ** surface_level(bodies) + 2)
+    return BODIES + points * (TRIANGLES + POINT * pictures) if bodies else 0
 
 
 def _size(size: int) -> str:
