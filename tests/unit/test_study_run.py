@@ -236,3 +236,26 @@ def test_disk_is_what_was_told(tmp_path, monkeypatch, tolerance):
 
 def size_of(folder):
     return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+
+
+def test_every_model_goes_on_from_one_start(tmp_path):
+    keys = {
+        "soft": {"contact_steps": 12},
+        "hard": {"model": "hard-sphere"},
+        "hertz": {"model": "hertz", "youngs_modulus": 1e6, "poisson_ratio": 0.3, "impact_speed": 0.4},
+        "repulsive": {"model": "repulsive", "repulsion_stiffness": 0.4, "repulsion_range": 1e-3},
+    }
+    models = [{"name": name, "set": {"contact": values}} for name, values in keys.items()]
+    dry = {key: value for key, value in MEETING.items() if key not in ("fluid", "resolution")}
+    study = sweep(base={"case": dry}, vary={}, runs=models, start={"at": 0.0015})
+    prepared = prepare(load_study(study))
+    assert [job.name for job in prepared.jobs if job.is_start] == ["start-1"]
+    assert "contact.friction gives way to model = repulsive" in prepared.runs[3].notes
+    results, watch = run(tmp_path / "s", study, workers=1)
+    assert set(watch.ended.values()) == {"done"}
+    table = results.table.set_index("run")
+    # each thrown back with what its model leaves; the repulsive force keeps all
+    assert table["first_restitution"][["soft", "hard", "hertz"]].tolist() == pytest.approx([0.7] * 3, abs=0.02)
+    assert table["max_overlap_fraction"]["hard"] == pytest.approx(0.0, abs=1e-9)
+    velocity = results.run("repulsive").tracks.velocity[:, :, 0]
+    assert (velocity[:, 1] - velocity[:, 0]).max() == pytest.approx(0.4, rel=0.05)   # thrown back, before the walls

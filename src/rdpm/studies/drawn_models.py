@@ -44,6 +44,8 @@ def draw_models(results: StudyResults, folder: Path) -> list[Picture]:
             np.array([values.get(name + _PLAIN, np.nan) for name in names]),
             float(width) if np.isfinite(width) else 0.0,
         ))  # fmt: skip
+    if not columns:
+        raise ValueError("no run has any of the measures")
     labels = [name.replace("contact_steps-", "soft sphere, N_c = ").replace("-", " ") for name in names]
     caption = f"{sweep.about(sweep.runs()[0])} Bands: spread that numerics alone give, about the first run."
     path = dot_chart(

@@ -10,6 +10,9 @@ __all__ = ["RUN_CLAIMS"]
 STIFFNESS, DAMPING, STEPS = "contact.stiffness", "contact.damping", "contact.contact_steps"
 LUBRICATION, VISCOSITY, MODEL = "contact.lubrication", "fluid.viscosity", "contact.model"
 
+#: Of the steel sphere whose rebound is measured.
+DRY_RESTITUTION = 0.97
+
 #: The talk's runs have no lubrication; its stiffness sweep is at eta_n = 100 dyn s/cm, its damping sweep at k_n = 5e4.
 _TALK = {LUBRICATION: False, VISCOSITY: 0.113}
 _STIFFNESS_SWEEP = _TALK | {DAMPING: 0.1}
@@ -79,6 +82,11 @@ RUN_CLAIMS = (
           Limit("max_stokes_number", CRITICAL_STOKES, False),
           "Below a Stokes number of 10 the liquid stops the rebound (Gondret et al. 2002): e_n is not seen.",
           {VISCOSITY: 0.113}),
+    Claim("dry-for-wet-in-a-rebound", "Dry collisions approximate collisions in a viscous fluid: a rebound from a wall "
+          "keeps nine tenths of the dry restitution.", "Soft sphere collision parameters N_c and e_n",
+          Limit("wet_restitution", 0.9 * DRY_RESTITUTION, False, "approach_stokes_number"),
+          "The film takes the impact: nothing is left near a Stokes number of 10, nearly all above some hundreds "
+          "(Gondret et al. 2002).", {LUBRICATION: True}),
     Claim("dry-for-wet-by-lubrication", "Dry collisions approximate collisions in a viscous fluid: lubrication changes "
           "nothing.", "Soft sphere collision parameters N_c and e_n",
           Insensitive(("contact_kisses", "contact_kiss_total_s", "tumble_start_s", "gap_kiss_total_s"), LUBRICATION),
