@@ -37,6 +37,9 @@ class Output(Model):
         Time between rows of the tables.
     fields_every
         Time between pictures of the flow and the bodies; 0 writes none.
+    fields_tolerance
+        Error of velocity and pressure in the pictures of the flow, over the largest magnitude of each: rounded so, they
+        take a twelfth of the disk. 0 keeps them in single precision.
     checkpoint_every
         Time between checkpoints, beside those every five minutes of wall time and at the end.
     checkpoints_kept
@@ -69,6 +72,7 @@ class Output(Model):
 
     table_every: Annotated[float | None, Quantity("s", gt=0.0), LeftOut(f"time.end / {ROWS}")] = None
     fields_every: Annotated[float | None, Quantity("s", ge=0.0), LeftOut(f"time.end / {FRAMES}")] = None
+    fields_tolerance: Annotated[float, Quantity("", ge=0.0, le=0.1)] = 5e-4
     checkpoint_every: Annotated[float | None, Quantity("s", gt=0.0)] = None
     checkpoints_kept: Annotated[int, Whole(2, 10_000)] = 2
     points: Annotated[Vectors, EachOf(Components(Quantity("m")))] = ()

@@ -113,7 +113,7 @@ class Recorder:
             quantities |= {"q_criterion": 1} if output.q_criterion else {}
 
             def made(path: Path, keep: float | None) -> FieldWriter:
-                return FieldWriter(path, cells, spacing, keep, quantities)
+                return FieldWriter(path, cells, spacing, keep, quantities, tolerance=output.fields_tolerance)
 
             self._flow = continued(folder.fields, until, note, made)
         if len(self.simulation.bodies):
