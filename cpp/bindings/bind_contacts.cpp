@@ -28,13 +28,14 @@ namespace {
 
 using Reals = In<double>;
 
-// box: rows size, period (0: not periodic); then six rows of wall velocities.
+// box: rows size, period (0: not periodic, below 0: open); then six rows of wall velocities.
 contacts::Box make_box(const Reals& array) {
     const double* b = array.checked("box", {8, 3});
     contacts::Box box{};
     for (int d = 0; d < 3; ++d) {
         box.size[d] = b[d];
-        box.period[d] = b[3 + d];
+        box.is_open[d] = b[3 + d] < 0;
+        box.period[d] = std::max(0.0, b[3 + d]);
         box.inverse_period[d] = b[3 + d] > 0 ? 1 / b[3 + d] : 0;
     }
     box.wall_velocity = b + 6;

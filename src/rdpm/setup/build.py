@@ -20,6 +20,7 @@ from rdpm.particles.calibration import CALIBRATION, Calibration
 from rdpm.particles.immersed import ImmersedBodies
 from rdpm.particles.prescribed import Motion, Prescription
 from rdpm.particles.state import Bodies
+from rdpm.setup.inflow import inflow_of
 from rdpm.setup.plan import Plan, plan
 from rdpm.simulation.time_loop import TimeLoop
 
@@ -78,7 +79,7 @@ def _system(made: Plan, threads: int, calibration: Calibration) -> System:
     case, fluid = made.case, made.case.fluid
     bodies, prescription = _bodies(case)
     domain = case.domain
-    box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities))
+    box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities), inflow_of(case))
     gravity = np.array(domain.gravity)
     if fluid is None or made.cells is None:
         return System(bodies, _contacts(made, bodies, box, None, calibration), prescription, gravity)

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace rdpm::contacts {
 
 struct Box {
     double size[3];
     double period[3], inverse_period[3];  // zero in a direction that is not periodic
+    bool is_open[3];                      // fluid passes: there are no walls
     const double* wall_velocity;          // (6, 3)
 };
 
@@ -42,9 +44,11 @@ inline Geometry sphere_geometry(const Box& box, const double* xi, const double* 
     return g;
 }
 
-// Distance of a centre from face 0..5 (x lower, x upper, y lower, ...), which is known as partner -1 - face.
+// Distance of a centre from face 0..5 (x lower, x upper, y lower, ...), which is known as partner -1 - face;
+// infinite where there is no wall.
 inline double wall_distance(const Box& box, const double* x, int face) {
     const int d = face / 2;
+    if (box.is_open[d]) return std::numeric_limits<double>::infinity();
     return face % 2 ? box.size[d] - x[d] : x[d];
 }
 
