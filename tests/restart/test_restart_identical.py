@@ -23,6 +23,8 @@ from rdpm.runs.runner import run_case
         ("released body", 37),
         ("periodic cloud", 25),
         ("dry heap", 250),
+        ("stream", 12),
+        ("stream", 40),
     ],
 )
 def test_restart_is_bit_identical(name, stop, tmp_path):

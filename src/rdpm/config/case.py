@@ -182,7 +182,7 @@ class Case(Model):
         if fluid.zero_mean_flow and not all(self.domain.is_periodic):
             raise RuleError(
                 "must not be true where a boundary is not periodic",
-                "walls already hold the mean flow",
+                "walls, or an inflow, already set the mean flow",
                 "Leave it out.",
                 value=True,
                 at=("fluid", "zero_mean_flow"),
