@@ -8,9 +8,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm.conventions import BOUNDARY_KINDS, FACES, BoundaryKind
+from rdpm.conventions import BOUNDARY_KINDS, FACES, NO_NEIGHBOUR, BoundaryKind
 from rdpm.errors import CaseError
 from rdpm.grid.inflow import Inflow
+from rdpm.surfaces import Surface
 
 __all__ = ["Box"]
 
@@ -28,6 +29,8 @@ class Box:
         stops bodies as a wall does, but without friction and lubrication. At most one pair lets the fluid through.
     wall_velocity : ndarray, (6, 3), [m/s]
         Tangential velocity of each face in the order of `rdpm.conventions.FACES`: x_lower, x_upper, y_lower, ...
+    walls : tuple of Plane or Cylinder
+        Within the box. Wall n is partner `rdpm.conventions.FIRST_WALL` - n of a body.
     inflow : Inflow, optional
         What enters; needed with "inflow-outflow".
 
@@ -49,6 +52,7 @@ class Box:
     size: tuple[float, float, float]
     kinds: tuple[BoundaryKind, BoundaryKind, BoundaryKind] = ("wall", "wall", "wall")
     wall_velocity: NDArray[np.float64] = field(default_factory=lambda: np.zeros((6, 3)))
+    walls: tuple[Surface, ...] = ()
     inflow: Inflow | None = None
 
     def __post_init__(self) -> None:
@@ -95,8 +99,18 @@ class Box:
 
     @cached_property
     def table(self) -> NDArray[np.float64]:
-        """Size, period (0: not periodic, -1: open, no walls) and the faces' velocities: (8, 3), for the contacts."""
-        period = np.where(self.is_periodic, self.size, 0.0)
+        """Size, period (-1: open), faces' velocities, walls, as the contact kernels read them: (8 + 5 walls, 3)."""
+        period = self.period.copy()
         if self.inflow is not None:
             period[self.inflow.axis] = -1.0
-        return np.vstack([self.size, period, self.wall_velocity])
+        return np.vstack([self.size, period, self.wall_velocity, *(wall.row for wall in self.walls)])
+
+    @cached_property
+    def period(self) -> NDArray[np.float64]:
+        """Length along periodic directions, 0 along others: (3,) [m]."""
+        return np.where(self.is_periodic, self.size, 0.0)
+
+    @property
+    def partners(self) -> int:
+        """The lowest id of a wall is -partners."""
+        return len(self.walls) - NO_NEIGHBOUR
