@@ -16,6 +16,7 @@ from rdpm.grid.grid import choose_cells
 from rdpm.particles.seeding import marker_count
 from rdpm.setup.contact import PairKind, contact_law, contact_limit, pairs
 from rdpm.setup.disk import fields_disk
+from rdpm.setup.inflow import check_ends
 from rdpm.setup.kinds import kinds_of_pairs
 from rdpm.setup.plausible import implausible
 from rdpm.setup.rows import PlanRow, hard_sphere_rows, sections
@@ -122,6 +123,7 @@ def plan(case: Case, contact_step: float | None = None) -> Plan:
     found = scales(case)
     cells = _cells(case)
     spacing = _spacing(case, cells) if cells else None
+    check_ends(case, spacing)
     h = float(np.cbrt(np.prod(spacing))) if spacing else math.inf
     check_room_behind(case, h)
     kinds = kinds_of_pairs(case)
