@@ -11,7 +11,7 @@ from nicegui import ui
 from rdpm.app.case_text import dotted, found_at, value_of, written_value
 from rdpm.app.frame import button, html
 from rdpm.config.case import Case
-from rdpm.config.contact import is_key_of
+from rdpm.config.contact import keys_of_other_models
 from rdpm.config.fields import describe
 from rdpm.config.rule import Path
 
@@ -106,7 +106,7 @@ class CaseForm:
         tables: list[Entry] = []
         for entry in keys:
             is_given = isinstance(values, dict) and entry["name"] in values
-            if model and not is_given and not is_key_of(entry["name"], model):
+            if model and not is_given and entry["name"] in keys_of_other_models(model):
                 continue
             if entry["kind"] == "table":
                 tables.append(entry)
