@@ -12,6 +12,12 @@ struct Box {
     const double* wall_velocity;          // (6, 3)
 };
 
+template <class Visit>
+void for_each_wall(const Box& box, Visit&& visit) {
+    for (int face = 5; face >= 0; --face)
+        if (box.period[face / 2] == 0) visit(face);
+}
+
 // Geometry of a pair: the normal points from i to j, overlap > 0 in contact; the levers reach from the
 // centres to the contact point and add up to the distance, so that angular momentum is conserved.
 struct Geometry {
