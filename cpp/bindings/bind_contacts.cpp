@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "contact_arguments.hpp"
+#include "rdpm/contacts/adaptive.hpp"
 #include "rdpm/contacts/events.hpp"
 #include "rdpm/contacts/hertz.hpp"
 #include "rdpm/contacts/repulsive.hpp"
@@ -19,8 +20,9 @@
 
 namespace nb = nanobind;
 using rdpm::Bytes;
+using rdpm::checked_bodies;
 using rdpm::checked_bytes;
-using rdpm::checked_ids;
+using rdpm::checked_pairs;
 using rdpm::checked_rows;
 using rdpm::ConstBytes;
 using rdpm::In;
@@ -55,6 +57,7 @@ Facts contact_layouts() {
 }
 
 constexpr contacts::Kernel soft_sphere = contacts::kernel_of<contacts::SoftSphere>();
+constexpr contacts::Kernel adaptive = contacts::kernel_of<contacts::AdaptiveCollisionTime>();
 constexpr contacts::Kernel hertz = contacts::kernel_of<contacts::Hertz>();
 constexpr contacts::Kernel repulsive = contacts::kernel_of<contacts::Repulsive>();
 
@@ -127,7 +130,7 @@ std::tuple<double, std::int64_t, std::int64_t, std::int64_t, std::int64_t> run_e
     const auto m = pairs.rows("pairs", {-1, 2});
     const auto actives = active.rows("active", {-1});
     const bool is_wet = lubrication.rows("lubrication", {-1, sizeof(contacts::LubricationRow)}) > 0;
-    const std::int32_t* ids = checked_ids(pairs, "pairs", {m, 2}, 2 * m, n, true);
+    const std::int32_t* ids = checked_pairs(pairs, "pairs", m, n, make_box(box));
     const contacts::PairArrays rows_of_pairs{
         ids,
         checked_rows<contacts::HardSphere::Parameters>(parameters, "parameters", m),
@@ -138,7 +141,7 @@ std::tuple<double, std::int64_t, std::int64_t, std::int64_t, std::int64_t> run_e
     const contacts::BodyArrays bodies =
         body_arrays(position, velocity, angular_velocity, rotation, acceleration, angular_acceleration,
                     inverse_mass, inverse_moment, radius, impulse, angular_impulse, contact_impulse, n);
-    const std::int32_t* moved = checked_ids(active, "active", {-1}, actives, n, false);
+    const std::int32_t* moved = checked_bodies(active, "active", actives, n);
     auto* done = checked_rows<contacts::Finished>(finished, "finished", -1);
     const auto capacity = finished.rows("finished", {-1, sizeof(contacts::Finished)});
     std::int64_t* counts = events.checked("events", {m});
@@ -188,7 +191,7 @@ std::tuple<double, double, std::int64_t> separate(const Reals& box, const InOut<
     const auto m = pairs.rows("pairs", {-1, 2});
     double* x = position.checked("position", {n, 3});
     const double *mass = inverse_mass.checked("inverse_mass", {n}), *a = radius.checked("radius", {n});
-    const std::int32_t* ids = checked_ids(pairs, "pairs", {m, 2}, 2 * m, n, true);
+    const std::int32_t* ids = checked_pairs(pairs, "pairs", m, n, make_box(box));
     const contacts::Box b = make_box(box);
     nb::gil_scoped_release unlocked;
     const contacts::Gaps gaps = contacts::separate(x, mass, a, b, ids, m);
@@ -213,6 +216,7 @@ void bind_contacts(nb::module_& module) {
         .def_prop_ro("parameters", [](const contacts::Kernel& k) { return layout_dict(k.parameters); })
         .def_prop_ro("history", [](const contacts::Kernel& k) { return layout_dict(k.history); });
     module.def("soft_sphere_kernel", [] { return &soft_sphere; }, nb::rv_policy::reference);
+    module.def("adaptive_kernel", [] { return &adaptive; }, nb::rv_policy::reference);
     module.def("hertz_kernel", [] { return &hertz; }, nb::rv_policy::reference);
     module.def("repulsive_kernel", [] { return &repulsive; }, nb::rv_policy::reference);
     module.def("contact_layouts", &contact_layouts);

@@ -9,7 +9,8 @@
 #include "rdpm/contacts/substeps.hpp"
 
 namespace nb = nanobind;
-using rdpm::checked_ids;
+using rdpm::checked_bodies;
+using rdpm::checked_pairs;
 using rdpm::checked_rows;
 using rdpm::ConstBytes;
 using rdpm::In;
@@ -84,16 +85,15 @@ std::int64_t list_pairs(const Reals& box, const Reals& position, const Reals& ra
 }
 
 std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t, double> select_pairs(
-    const Reals& box, const Reals& position, const Reals& radius, double range,
-    const In<std::int32_t>& order, const In<std::int32_t>& pairs, const In<std::int32_t>& layer,
-    const Reals& times, const ConstBytes& state, const InOut<std::int32_t>& rows,
-    const InOut<std::int32_t>& local, const InOut<std::int32_t>& active, const InOut<std::int32_t>& place,
-    const InOut<std::int32_t>& bands) {
+    const Reals& box, const Reals& position, const Reals& radius, double range, const In<std::int32_t>& order,
+    const In<std::int32_t>& pairs, const In<std::int32_t>& layer, const Reals& times, const ConstBytes& state,
+    const InOut<std::int32_t>& rows, const InOut<std::int32_t>& local, const InOut<std::int32_t>& active,
+    const InOut<std::int32_t>& place, const InOut<std::int32_t>& bands) {
     const std::int64_t n = position.rows("position", {-1, 3}), m = pairs.rows("pairs", {-1, 2});
     const contacts::Box b = make_box(box);
     const double *x = position.checked("position", {n, 3}), *a = radius.checked("radius", {n});
-    const std::int32_t* sorted = checked_ids(order, "order", {n}, n, n, false);
-    const std::int32_t* ids = checked_ids(pairs, "pairs", {m, 2}, 2 * m, n, true);
+    const std::int32_t* sorted = checked_bodies(order, "order", order.rows("order", {n}), n);
+    const std::int32_t* ids = checked_pairs(pairs, "pairs", m, n, b);
     const std::int32_t* layers = layer.checked("layer", {m});
     const double* time = times.checked("times", {m});
     const auto* states = checked_rows<contacts::ContactState>(state, "state", m);
@@ -101,9 +101,9 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t,
                                         active.checked("active", {n}), place.checked("place", {n}),
                                         bands.checked("bands", {m, 2})};
     nb::gil_scoped_release unlocked;
-    const contacts::Selection s =
-        contacts::select_pairs(b, x, a, n, range, sorted, ids, layers, time, m,
-                               [&](std::int64_t k) { return states[k].phase != contacts::kApart; }, out);
+    const contacts::Selection s = contacts::select_pairs(
+        b, x, a, n, range, sorted, ids, layers, time, m,
+        [&](std::int64_t k) { return states[k].phase != contacts::kApart; }, out);
     return {s.pairs, s.bodies, s.even_bands, s.bands, s.lost, s.shortest};
 }
 

@@ -11,8 +11,9 @@
 
 namespace nb = nanobind;
 using rdpm::Bytes;
+using rdpm::checked_bodies;
 using rdpm::checked_bytes;
-using rdpm::checked_ids;
+using rdpm::checked_pairs;
 using rdpm::checked_rows;
 using rdpm::ConstBytes;
 using rdpm::In;
@@ -51,7 +52,8 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
     const In<std::int32_t>& rows, const In<std::int32_t>& bands, std::int64_t even_bands,
     const In<std::int32_t>& kinds, const ConstBytes& parameters, const ConstBytes& lubrication,
     const Bytes& state, const Bytes& history, const Bytes& finished, const InOut<double>& body_room,
-    const InOut<std::int32_t>& pair_room, double closing, double time, double h, double overlap_limit, std::int64_t first, std::int64_t last, int threads) {
+    const InOut<std::int32_t>& pair_room, double closing, double time, double h, double overlap_limit,
+    std::int64_t first, std::int64_t last, int threads) {
     const auto n = position.rows("position", {-1, 3});
     const auto m = state.rows("state", {-1, sizeof(contacts::ContactState)});
     const auto actives = active.rows("active", {-1}), selected = pairs.rows("pairs", {-1, 2});
@@ -69,19 +71,22 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
                                   angular_impulse.checked("angular_impulse", {n, 3}),
                                   contact_impulse.checked("contact_impulse", {n, 3})};
     const contacts::BodyRows bodies{body_room.checked("body_room", {-1}), actives,
-                                    checked_ids(active, "active", {-1}, actives, n, false)};
+                                    checked_bodies(active, "active", actives, n)};
     rdpm::require(body_room.rows("body_room", {-1}) >= contacts::kBodyColumns * actives,
                   "body_room: too small");
     std::int32_t* wake = pair_room.checked("pair_room", {-1});
     rdpm::require(pair_room.rows("pair_room", {-1}) >= selected, "pair_room: too small");
     const std::int32_t* row = checked_selection(rows, bands, selected, m);
-    const std::int64_t kind_count = parameters.rows("parameters", {-1, static_cast<std::int64_t>(kernel.parameters.size)});
-    const std::int32_t* kind = checked_ids(kinds, "kinds", {m}, m, kind_count, false);
+    const std::int64_t kind_count =
+        parameters.rows("parameters", {-1, static_cast<std::int64_t>(kernel.parameters.size)});
+    const std::int32_t* kind = kinds.checked("kinds", {m});
+    for (std::int64_t k = 0; k < m; ++k)
+        rdpm::require(kind[k] >= 0 && kind[k] < kind_count, "kinds: must be rows of the parameters");
     const std::int64_t band_count = bands.rows("bands", {-1, 2});
     rdpm::require(even_bands >= 0 && even_bands <= band_count, "even_bands: must lie within the bands");
     const bool is_wet = lubrication.rows("lubrication", {-1, sizeof(contacts::LubricationRow)}) > 0;
     const contacts::PairArrays rows_of_pairs{
-        checked_ids(pairs, "pairs", {selected, 2}, 2 * selected, actives, true),
+        checked_pairs(pairs, "pairs", selected, actives, make_box(box)),
         checked_bytes(parameters, "parameters", -1, kernel.parameters.size),
         is_wet ? checked_rows<contacts::LubricationRow>(lubrication, "lubrication", m) : nullptr,
         checked_rows<contacts::ContactState>(state, "state", m),
@@ -142,11 +147,12 @@ void end_step(const Reals& box, const InOut<double>& position, const InOut<doubl
     }
 }
 
-// Touch of the contacts under way: the largest speed of each body's; how many there are, their overlap.
-std::tuple<std::int64_t, double> contacts_under_way(const In<std::int32_t>& pairs, const ConstBytes& state,
+// Contacts under way: how many there are, the largest overlap; the largest speed at touch of each body's.
+std::tuple<std::int64_t, double> contacts_under_way(const Reals& box, const In<std::int32_t>& pairs,
+                                                    const ConstBytes& state,
                                                     const InOut<double>& impact_speed) {
     const auto m = pairs.rows("pairs", {-1, 2}), n = impact_speed.rows("impact_speed", {-1});
-    const std::int32_t* id = checked_ids(pairs, "pairs", {m, 2}, 2 * m, n, true);
+    const std::int32_t* id = checked_pairs(pairs, "pairs", m, n, make_box(box));
     const auto* s = checked_rows<contacts::ContactState>(state, "state", m);
     double* speed = impact_speed.checked("impact_speed", {n});
     nb::gil_scoped_release unlocked;
@@ -170,14 +176,15 @@ void bind_substeps(nb::module_& module) {
                nb::arg("velocity"), nb::arg("angular_velocity"), nb::arg("rotation"), nb::arg("force"),
                nb::arg("torque"), nb::arg("inverse_mass"), nb::arg("inverse_moment"), nb::arg("radius"),
                nb::arg("impulse"), nb::arg("angular_impulse"), nb::arg("contact_impulse"), nb::arg("active"),
-               nb::arg("pairs"), nb::arg("rows"), nb::arg("bands"), nb::arg("even_bands"),
-               nb::arg("kinds"), nb::arg("parameters"), nb::arg("lubrication"), nb::arg("state"), nb::arg("history"),
+               nb::arg("pairs"), nb::arg("rows"), nb::arg("bands"), nb::arg("even_bands"), nb::arg("kinds"),
+               nb::arg("parameters"), nb::arg("lubrication"), nb::arg("state"), nb::arg("history"),
                nb::arg("finished"), nb::arg("body_room"), nb::arg("pair_room"), nb::arg("closing"),
-               nb::arg("time"), nb::arg("h"), nb::arg("overlap_limit"), nb::arg("first"), nb::arg("last"), nb::arg("threads"));
+               nb::arg("time"), nb::arg("h"), nb::arg("overlap_limit"), nb::arg("first"), nb::arg("last"),
+               nb::arg("threads"));
     module.def("end_step", &end_step, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
                nb::arg("angular_velocity"), nb::arg("orientation"), nb::arg("crossings"), nb::arg("rotation"),
                nb::arg("force"), nb::arg("torque"), nb::arg("inverse_mass"), nb::arg("inverse_moment"),
                nb::arg("is_active"), nb::arg("dt"), nb::arg("threads"));
-    module.def("contacts_under_way", &contacts_under_way, nb::arg("pairs"), nb::arg("state"),
+    module.def("contacts_under_way", &contacts_under_way, nb::arg("box"), nb::arg("pairs"), nb::arg("state"),
                nb::arg("impact_speed"));
 }

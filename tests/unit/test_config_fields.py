@@ -135,7 +135,8 @@ def test_what_holds_for_a_key_left_out_is_true() -> None:
         assert getattr(case.contact, name) == float(value)
     assert case.contact.tangential_ratio == 2 / 7
     overlap = Contact(max_overlap=0.01, impact_speed=0.1)
-    assert said["restitution"] == f"{overlap.restitution:g} beside `max_overlap`"
+    assert said["restitution"] == f"{overlap.restitution:g} beside `max_overlap`, and of hard spheres"
+    assert said["restitution"].startswith(f"{Contact(model='hard-sphere').restitution:g} ")
 
 
 def test_a_file_that_was_not_read_is_refused() -> None:

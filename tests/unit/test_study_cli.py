@@ -31,7 +31,7 @@ def test_check_says_runs_cells_steps_time_memory_disk(capsys):
     assert [line.split()[:4] for line in out.splitlines() if line.startswith("damping-50")] == [
         ["damping-50dyns_cm", "start-1", "787320", "2100"]
     ]
-    assert "3 rows of the table" in out
+    assert "7 rows of the table" in out  # three, and four that repeat one of them
     assert "2 at once: about " in out
     assert "MB of memory, at most" in out
     assert "contact.contact_steps gives way to damping, stiffness" in out

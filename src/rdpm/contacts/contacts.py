@@ -94,11 +94,13 @@ class Contacts:
         self.bodies, self.box, self.law, self.lubrication = bodies, box, law, lubrication
         self.substeps_per_contact, self.overlap_limit, self.threads = substeps_per_contact, overlap_limit, threads
         self._list, self._close = NeighbourList(bodies, box), Neighbours(bodies, box)
-        self._lubrication_range = lubrication.largest_gap(0.5 * bodies.diameter) if lubrication and len(bodies) else 0.0
+        self._lubrication_range = 0.0
+        if lubrication and len(bodies):
+            self._lubrication_range = lubrication.largest_gap(0.5 * bodies.diameter, bool(box.walls))
         if viscosity is None and lubrication:
             viscosity = lubrication.viscosity
-        self._episodes, self._kinds = Episodes(bodies, box, viscosity), KindParameters(bodies, law)
-        self._history = History(len(bodies), law.driver.history)
+        self._episodes, self._kinds = Episodes(bodies, box, viscosity), KindParameters(bodies, law, len(box.walls))
+        self._history = History(len(bodies), law.driver.history, box.partners)
         self._table = self._table_of(self._list.ids)
 
     def advance(
@@ -155,7 +157,7 @@ class Contacts:
         ))  # fmt: skip
         _core.end_step(
             self.box.table, b.position, b.velocity, b.angular_velocity, b.orientation, b.crossings, rotation,
-            force, torque, inverse_mass, inverse_moment, is_active, dt, self.threads,
+            force, torque, inverse_mass, inverse_moment, is_active, dt, self.threads if n >= 10_000 else 1,
         )  # fmt: skip
         return step
 
@@ -192,7 +194,7 @@ class Contacts:
         step.pairs = len(task.selection)
         self.law.driver.run(task, step, record)
         step.touching, overlap = _core.contacts_under_way(
-            task.table.ids, as_bytes(task.table.state), step.impact_speed
+            self.box.table, task.table.ids, as_bytes(task.table.state), step.impact_speed
         )
         self._history.keep(step.touching, overlap)
 
@@ -242,7 +244,7 @@ class Contacts:
         states["end"][touching] = time
         states["rebound_speed"][touching] = np.nan
         self._episodes.add(ids, states, dt)
-        self._history = History(len(self.bodies), self.law.driver.history)
+        self._history = History(len(self.bodies), self.law.driver.history, self.box.partners)
         self._table = self._table_of(self._list.ids)
         self._history.carry_to(self._table)
 
@@ -277,7 +279,7 @@ class Contacts:
             return result
 
         ids = np.array(state["pairs"], np.int32).reshape(-1, 2)
-        history = self._history = History(len(self.bodies), self.law.driver.history)
+        history = self._history = History(len(self.bodies), self.law.driver.history, self.box.partners)
         history.restore(ids, rows("state", STATE, len(ids)), rows("history", self.law.driver.history, len(ids)))
         self._list.restore({name: state[f"neighbours/{name}"] for name in self._list.state()})
         self._table = self._table_of(self._list.ids)

@@ -19,10 +19,12 @@ class History:
         Number of bodies.
     dtype : dtype
         Of what the law remembers.
+    partners : int
+        `rdpm.grid.Box.partners`: -partners is the lowest id of a wall.
     """
 
-    def __init__(self, bodies: int, dtype: np.dtype[np.void]) -> None:
-        self._bodies = bodies
+    def __init__(self, bodies: int, dtype: np.dtype[np.void], partners: int = 7) -> None:
+        self._bodies, self._partners = bodies, partners
         self._rows: tuple[NDArray[np.int32], Rows, Rows] = (
             np.empty((0, 2), np.int32), np.empty(0, STATE), np.empty(0, dtype)
         )  # fmt: skip
@@ -48,7 +50,9 @@ class History:
         self.largest_overlap = max(0.0, float(states["overlap"].max(initial=0.0)))
 
     def _keys(self, ids: NDArray[np.int32]) -> NDArray[np.int64]:
-        result: NDArray[np.int64] = ids[:, 0] * np.int64(self._bodies + 6) + ids[:, 1] + 6
+        result: NDArray[np.int64] = (
+            ids[:, 0] * np.int64(self._bodies + self._partners) + ids[:, 1] + self._partners
+        )
         return result
 
     def carry_to(self, table: PairTable) -> tuple[NDArray[np.int32], Rows]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rdpm import _core
-from rdpm.conventions import FACES
+from rdpm.conventions import partner_name
 from rdpm.errors import OverlapError
 
 from .driver import ContactStep, ContactTask
@@ -20,6 +20,9 @@ __all__ = ["SubstepDriver"]
 
 #: Room of a body while its pairs act (``contacts/body_rows.hpp``).
 BODY_COLUMNS = 30
+
+#: Fewer pairs than that are done before a second thread is awake.
+PARALLEL_PAIRS = 2000
 
 
 class SubstepDriver:
@@ -69,6 +72,7 @@ class SubstepDriver:
         h = task.dt / max(step.substeps, 1)
         finished = np.empty(max(64, 2 * len(chosen)), FINISHED)
         room = np.empty(BODY_COLUMNS * len(chosen.active)), np.empty(len(chosen), np.int32)
+        threads = task.threads if len(chosen) >= PARALLEL_PAIRS else 1
         at = 0
         while at < step.substeps:
             at, count, failed, min_gap, max_overlap = _core.run_substeps(
@@ -78,7 +82,7 @@ class SubstepDriver:
                 chosen.active, chosen.local, chosen.rows, chosen.bands, chosen.even_bands,
                 table.kind, as_bytes(table.kinds), as_bytes(table.lubrication), as_bytes(table.state),
                 as_bytes(table.history), as_bytes(finished), *room, chosen.reach / task.dt, task.time, h,
-                task.overlap_limit, at, step.substeps, task.threads,
+                task.overlap_limit, at, step.substeps, threads,
             )  # fmt: skip
             step.min_gap = min(step.min_gap, min_gap)
             step.max_overlap_fraction = max(step.max_overlap_fraction, max_overlap)
@@ -91,7 +95,7 @@ class SubstepDriver:
 def pair_names(ids: NDArray[np.int32]) -> tuple[int, str]:
     """The first of a pair, and the second in words."""
     i, j = ids.tolist()
-    return i, f"the face {FACES[-1 - j]}" if j < 0 else f"body {j}"
+    return i, partner_name(j)
 
 
 def _overlap_error(task: ContactTask, pair: int, time: float) -> OverlapError:

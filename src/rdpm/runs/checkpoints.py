@@ -210,7 +210,7 @@ def load_newest(
     """
     found = folder.checkpoint_files()
     times: list[float] = []
-    tolerance = (AT_TOLERANCE * (at or 0.0) if within is None else within) * (1.0 + 1e-9)
+    tolerance = (AT_TOLERANCE * max(at or 0.0, 0.0) if within is None else within) * (1.0 + 1e-9)
     spoiled = 0
     for path in reversed(found):
         try:

@@ -15,6 +15,7 @@ from rdpm.errors import OutputError
 from rdpm.io.files import reporting
 from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, TableWriter
 from rdpm.io.vtkhdf import BodyWriter, FieldWriter
+from rdpm.io.wall_surface import write_walls
 from rdpm.results.contacts import is_pressed
 from rdpm.results.run_folder import TABLES, RunFolder
 from rdpm.simulation.schedule import Every
@@ -81,6 +82,9 @@ class Recorder:
                 self._flow = _continued(
                     folder.fields, until, note, lambda path, keep: FieldWriter(path, cells, spacing, keep)
                 )
+            box = simulation.system.contacts.box
+            if fields_every > 0.0 and box.walls:
+                write_walls(folder.walls, box.walls, box.size)
             if fields_every > 0.0 and len(bodies):
                 self._shapes = _continued(folder.bodies, until, note, BodyWriter)
             self._particles, self._contacts, self._history, self._timing = writers.values()

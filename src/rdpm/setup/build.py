@@ -78,7 +78,7 @@ def _system(made: Plan, threads: int, calibration: Calibration) -> System:
     case, fluid = made.case, made.case.fluid
     bodies, prescription = _bodies(case)
     domain = case.domain
-    box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities))
+    box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities), tuple(w.surface for w in case.walls))
     gravity = np.array(domain.gravity)
     if fluid is None or made.cells is None:
         return System(bodies, _contacts(made, bodies, box, None, calibration, threads), prescription, gravity)
@@ -91,7 +91,7 @@ def _system(made: Plan, threads: int, calibration: Calibration) -> System:
         lubrication = lubrication_correction(fluid.mu, h, case.contact.lubrication_roughness, calibration)
     contacts = _contacts(made, bodies, box, lubrication, calibration, threads)
     immersed = None
-    if len(bodies):
+    if len(bodies) or box.walls:
         immersed = ImmersedBodies(bodies, flow, gravity, calibration, made.step.longest is not None)
     initial = np.array(fluid.initial_velocity)
     mean_flow = MeanFlow(np.array(fluid.acceleration), case.zero_mean_flow, fluid.density * grid.volume, initial)

@@ -30,9 +30,9 @@ struct BodyRows {
     void take(const BodyTable& all, double h, int threads) const {
         double* const to[9] = {column(0), column(1), column(2), column(3), column(6),
                                column(7), column(8), column(4), column(5)};
-        const double* const from[9] = {all.x,       all.v,          all.w,
-                                       all.rotation, all.impulse,   all.angular_impulse,
-                                       all.contact_impulse, all.force, all.torque};
+        const double* const from[9] = {
+            all.x,     all.v,     all.w, all.rotation, all.impulse, all.angular_impulse, all.contact_impulse,
+            all.force, all.torque};
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
         for (std::int64_t k = 0; k < count; ++k) {
             const std::int64_t id = ids[k];
@@ -49,9 +49,8 @@ struct BodyRows {
     }
 
     void give(const BodyTable& all, int threads) const {
-        double* const to[7] = {all.x,       all.v,           all.w,
-                               all.rotation, all.impulse,    all.angular_impulse,
-                               all.contact_impulse};
+        double* const to[7] = {
+            all.x, all.v, all.w, all.rotation, all.impulse, all.angular_impulse, all.contact_impulse};
         const double* const from[7] = {column(0), column(1), column(2), column(3),
                                        column(6), column(7), column(8)};
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)

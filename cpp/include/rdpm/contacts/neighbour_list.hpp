@@ -114,7 +114,7 @@ struct Selection {
 };
 
 struct SelectionArrays {
-    std::int32_t *rows, *local;   // (M,), (M, 2): of the list; bodies as rows of `active`, or walls
+    std::int32_t *rows, *local;    // (M,), (M, 2): of the list; bodies as rows of `active`, or walls
     std::int32_t *active, *place;  // (N,): bodies that have a pair, by rank; room
     std::int32_t* bands;           // (M, 2): from and to, even layers first
 };

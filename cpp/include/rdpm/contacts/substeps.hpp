@@ -45,7 +45,8 @@ struct BodyArrays {
 };
 
 // Rows of pairs; `parameters` and `history` are those of the law. The driver over a law sees `count` of them:
-// pair n in row `rows[n]`, its parameters in row `kinds[rows[n]]`, its bodies `ids` as rows of its own arrays.
+// pair n in row `rows[n]`, its parameters in row `kinds[rows[n]]`, its bodies `ids` as rows of its own
+// arrays.
 struct PairArrays {
     const std::int32_t* ids;  // (count, 2)
     const void* parameters;
@@ -90,7 +91,7 @@ struct Progress {
     double max_overlap;  // [-], of the smaller diameter
 };
 
-// A pair's partners as the driver sees them; a wall has no mass, rotation or acceleration of its own.
+// A pair's partners as the driver sees them; a wall has no mass and no acceleration.
 struct Partners {
     std::int64_t i, j;
     double inverse_mass_i, inverse_mass_j, inverse_moment_i, inverse_moment_j, smaller_diameter;
@@ -102,7 +103,9 @@ inline Partners partners_of(const BodyArrays& b, const Box& box, std::int64_t i,
     Partners p{i,    j,   b.inverse_mass[i], 0, b.inverse_moment[i], 0, 2 * b.radius[i], nullptr, none,
                none, none};
     if (j < 0) {
-        p.vj = box.wall_velocity + 3 * (-1 - j);
+        const int wall = static_cast<int>(-1 - j);
+        p.vj = wall_velocity(box, wall);
+        if (wall >= kFirstInner) p.wj = box.walls[wall - kFirstInner].angular_velocity;
     } else {
         p.inverse_mass_j = b.inverse_mass[j];
         p.inverse_moment_j = b.inverse_moment[j];
@@ -134,14 +137,43 @@ inline Impulses solve_normal(const NormalImpulse& law, bool acts, double lambda,
     return {contact, h * lambda * (u - contact * inverse_mass) / (1 + viscous)};
 }
 
+// What is summed over both bodies begins with the upper one, so that its last bit does not depend on which of
+// them is i.
+inline bool points_up(const double* n) {
+    if (n[2] != 0) return n[2] > 0;
+    return n[1] != 0 ? n[1] > 0 : n[0] > 0;
+}
+
+// a b + c, rounded once where the machine can: the compiler is not left to choose which product it fuses.
+inline double multiply_add(double a, double b, double c) {
+#ifdef FP_FAST_FMA
+    return std::fma(a, b, c);
+#else
+    return a * b + c;
+#endif
+}
+
+inline double inverse_tangential_mass(const Partners& p, const Geometry& g, double inverse_mass) {
+    const bool is_reversed = p.j >= 0 && points_up(g.n);
+    const double one = g.lever_i * g.lever_i, other = g.lever_j * g.lever_j;
+    const double first = multiply_add(is_reversed ? other : one,
+                                      is_reversed ? p.inverse_moment_j : p.inverse_moment_i, inverse_mass);
+    return multiply_add(is_reversed ? one : other, is_reversed ? p.inverse_moment_i : p.inverse_moment_j,
+                        first);
+}
+
 // Tangential velocity of the surfaces against each other at the contact point, with half of this sub-step's
 // increments; u_mid is the normal part.
 inline void slip_velocity(const BodyArrays& b, const Partners& p, const Geometry& g, double u_mid,
                           double* slip) {
     const double *vi = b.v + 3 * p.i, *wi = b.w + 3 * p.i, *dv = b.dv + 3 * p.i, *dw = b.dw + 3 * p.i;
     double roll[3];
-    for (int d = 0; d < 3; ++d)
-        roll[d] = g.lever_i * (wi[d] - 0.5 * dw[d]) + g.lever_j * (p.wj[d] - 0.5 * p.dw_j[d]);
+    const bool is_reversed = p.j >= 0 && points_up(g.n);
+    const double first = is_reversed ? g.lever_j : g.lever_i, last = is_reversed ? g.lever_i : g.lever_j;
+    for (int d = 0; d < 3; ++d) {
+        const double one = wi[d] - 0.5 * dw[d], other = p.wj[d] - 0.5 * p.dw_j[d];
+        roll[d] = multiply_add(first, is_reversed ? other : one, last * (is_reversed ? one : other));
+    }
     for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, f = (d + 2) % 3;
         slip[d] = vi[d] - p.vj[d] - 0.5 * (dv[d] - p.dv_j[d]) - u_mid * g.n[d] + roll[e] * g.n[f] -
@@ -185,7 +217,7 @@ inline void record(ContactState& s, const Window& w, double t, double h, double 
 
 // One pair, one sub-step; returns whether its contact is over (the surfaces have parted).
 template <ContactLaw Law>
-bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::Parameters& law,
+bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::Parameters& row,
                 const LubricationRow* lubrication, ContactState& s, typename Law::History& history, double t,
                 Progress& progress) {
     const BodyArrays& b = task.bodies;
@@ -201,7 +233,9 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
     }
     const double u_mid = u - 0.5 * acceleration;
     const double lambda = lubrication ? lubrication->mean_resistance(-g.overlap, 0.5 * h * u_mid) : 0;
-    const Window w = Law::window(law, {g.overlap, u_mid, h, s.phase == kTouching});
+    const Approach approach{g.overlap, u_mid, h, s.phase == kTouching};
+    const auto& law = row_of<Law>(row, history, approach);
+    const Window w = Law::window(law, approach);
     if (w.share() == 0 && lambda == 0 && s.phase == kApart) return false;
 
     const double inverse_mass = p.inverse_mass_i + p.inverse_mass_j;
@@ -212,8 +246,7 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
     double tangential[3] = {0, 0, 0};
     if constexpr (TangentialLaw<Law>) {
         if (Law::has_friction(law) && w.share() > 0) {
-            const double inverse_tangential = inverse_mass + g.lever_i * g.lever_i * p.inverse_moment_i +
-                                              g.lever_j * g.lever_j * p.inverse_moment_j;
+            const double inverse_tangential = inverse_tangential_mass(p, g, inverse_mass);
             double slip[3];
             slip_velocity(b, p, g, u_mid, slip);
             Law::tangential_impulse(law, history, w, g.n, slip, inverse_tangential, h, normal.contact,
@@ -237,9 +270,9 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
     return s.phase == kEnded && end <= 0;
 }
 
-// Sub-steps, this one first, in which a pair stays apart; 0 where it may touch in this one: gap < h |rate| / 2,
-// told without a root or a quotient, a little on the safe side. `smallest`: gap that is to be known where one
-// is smaller.
+// Sub-steps, this one first, in which a pair stays apart; 0 where it may touch in this one: gap < h |rate| /
+// 2, told without a root or a quotient, a little on the safe side. `smallest`: gap that is to be known where
+// one is smaller.
 inline std::int32_t clear_substeps(const SubstepTask& task, const std::int32_t* id, double& smallest) {
     const BodyArrays& b = task.bodies;
     const std::int64_t i = id[0], j = id[1];
@@ -294,8 +327,8 @@ void visit_band(const SubstepTask& task, const Band& band, std::int64_t substep,
             std::int64_t place;
 #pragma omp atomic capture
             place = shared.finished++;
-            task.finished[place] = {row,           s.start,         s.end, s.max_overlap, s.impact_speed,
-                                    s.rebound_speed, s.work};
+            task.finished[place] = {row,   s.start, s.end, s.max_overlap, s.impact_speed, s.rebound_speed,
+                                    s.work};
             s = ContactState{};
         }
         task.wake[at] = s.phase == kApart ? 0 : kUnderWay;
