@@ -270,6 +270,10 @@ class Contacts:
         Parameters
         ----------
         state : mapping of str to ndarray
+
+        Notes
+        -----
+        Of a law that remembers other things no contact is taken over: one under way begins anew.
         """
 
         def rows(name: str, dtype: np.dtype[np.void], count: int) -> Rows:
@@ -280,7 +284,10 @@ class Contacts:
 
         ids = np.array(state["pairs"], np.int32).reshape(-1, 2)
         history = self._history = History(len(self.bodies), self.law.driver.history, self.box.partners)
-        history.restore(ids, rows("state", STATE, len(ids)), rows("history", self.law.driver.history, len(ids)))
+        dtype = self.law.driver.history
+        remembered = {key.removeprefix("history/") for key in state if key.startswith("history/")}
+        if remembered == set(dtype.names or ()):
+            history.restore(ids, rows("state", STATE, len(ids)), rows("history", dtype, len(ids)))
         self._list.restore({name: state[f"neighbours/{name}"] for name in self._list.state()})
         self._table = self._table_of(self._list.ids)
         history.carry_to(self._table)
