@@ -120,6 +120,20 @@ CASES = {
         "time": {"end": 0.075, "step": 0.0015},
         "output": {**QUIET, "table_every": 0.02},
     },
+    # The inflow rises until step 30; what leaves depends on what left before.
+    "stream": {
+        "domain": {
+            "size": [0.04, 0.03, 0.03],
+            "boundary": {"x": "inflow-outflow", "y": "wall", "z": "free-slip"},
+            "inflow": {"velocity": 0.1, "profile": "parabolic", "start_up": 0.06},
+        },
+        "fluid": OIL,
+        "bodies": [{**GLASS, "motion": "fixed", "centers": [[0.018, 0.0154, 0.015]]}],
+        "contact": SOFT,
+        "resolution": {"cells_per_diameter": 5},
+        "time": {"end": 0.12, "step": 0.002, "diffusion": "stabilised"},
+        "output": {**QUIET, "table_every": 0.01},
+    },
     # A heap that comes to rest on the floor: contacts open at any time after the first.
     "dry heap": {
         "domain": {"size": [0.04, 0.04, 0.08]},

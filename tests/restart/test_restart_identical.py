@@ -27,6 +27,8 @@ from rdpm.runs.runner import run_case
         ("hertz", 22),
         ("repulsive", 15),
         ("adaptive collision time", 15),
+        ("stream", 12),
+        ("stream", 40),
     ],
 )
 def test_restart_is_bit_identical(name, stop, tmp_path):

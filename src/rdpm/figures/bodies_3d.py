@@ -22,7 +22,7 @@ from rdpm.results.run import Run, load_run
 __all__ = ["finish_rendering", "start_rendering"]
 
 Floats = NDArray[np.float64]
-_FEW = 8
+_FEW = 7
 _SECONDS = 60.0   # a software renderer takes three
 
 
@@ -101,6 +101,11 @@ def _render(run: Run, path: Path) -> None:
         inside = position[-1] - run.period * np.floor(position[-1] / np.where(run.periodic, run.box, np.inf))
         balls = _balls(inside, run.diameter)
         plotter.add_mesh(balls, color=PALETTE[0], smooth_shading=True, specular=0.3)
+    if run.gravity.any():
+        down = run.gravity / np.linalg.norm(run.gravity)
+        size = 0.12 * float(run.box.max())
+        arrow = pyvista.Arrow(tuple(-0.6 * size * np.ones(3) - 0.5 * size * down), down, scale=size)
+        plotter.add_mesh(arrow, color="#262626")
     plotter.camera_position = [(1.0, -1.9, 0.55), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
     plotter.enable_parallel_projection()
     plotter.reset_camera()

@@ -14,7 +14,7 @@ from rdpm.surfaces import Surface
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["WALL_COLOUR", "Plane", "draw_walls", "viewing_plane"]
+__all__ = ["WALL_COLOUR", "Plane", "circular_mean", "draw_walls", "viewing_plane"]
 
 WALL_COLOUR = "#b8b8b8"
 
@@ -82,7 +82,8 @@ def draw_walls(axes: Axes, plane: Plane, box: ArrayLike, factor: float) -> None:
 
 
 def viewing_plane(
-    tracks: Tracks | None, box: ArrayLike, gravity: ArrayLike, walls: tuple[Surface, ...] = ()
+    tracks: Tracks | None, box: ArrayLike, gravity: ArrayLike, period: ArrayLike | None = None,
+    walls: tuple[Surface, ...] = (),
 ) -> Plane:
     """The vertical plane through the bodies in which they move most.
 
@@ -93,6 +94,8 @@ def viewing_plane(
     box : array_like, (3,), [m]
     gravity : array_like, (3,), [m/s^2]
         Its largest component is vertical; z without gravity.
+    period : array_like, (3,), optional, [m]
+        Length of the box along periodic directions, 0 along others.
     walls : tuple of rdpm.surfaces.Plane or Cylinder
         Within the box.
 
@@ -102,10 +105,38 @@ def viewing_plane(
     Plane(across=0, up=2, normal=1, position=1.0)
     """
     size, g = np.asarray(box, np.float64), np.abs(np.asarray(gravity, np.float64))
+    repeat = np.zeros(3) if period is None else np.asarray(period, np.float64)
     up = int(np.argmax(g)) if g.any() else 2
     first, second = (n for n in range(3) if n != up)
     if tracks is None or tracks.count == 0 or tracks.count > 8:
         return Plane(first, up, second, float(0.5 * size[second]), walls)
-    spread = np.ptp(tracks.position, axis=(0, 1))
+    # Each body's image nearest to the others at the start; its way is without jumps.
+    start = tracks.position[0]
+    middle = np.array([circular_mean(start[:, n], repeat[n]) for n in range(3)])
+    images = repeat * np.rint((start - middle) / np.where(repeat > 0.0, repeat, np.inf))
+    position = tracks.position - images
+    spread = np.ptp(position, axis=(0, 1))
     across, normal = (second, first) if spread[second] > 1.5 * spread[first] else (first, second)
-    return Plane(across, up, normal, float(np.mean(tracks.position[..., normal]) % size[normal]), walls)
+    at = circular_mean(position[..., normal], repeat[normal])
+    return Plane(across, up, normal, float(np.clip(at, 0.0, size[normal])), walls)
+
+
+def circular_mean(values: ArrayLike, period: float) -> float:
+    """Mean of positions along a periodic direction, in the box: across its seam as well; the common mean without one.
+
+    Parameters
+    ----------
+    values : array_like, [m]
+    period : float, [m]
+        0: not periodic.
+
+    Examples
+    --------
+    >>> round(circular_mean([0.95, 0.15], 1.0), 6), circular_mean([0.25, 0.75], 0.0)
+    (0.05, 0.5)
+    """
+    v = np.asarray(values, np.float64)
+    if period <= 0.0:
+        return float(v.mean())
+    turned = np.exp(2j * np.pi * v / period).mean()
+    return float(np.angle(turned) / (2.0 * np.pi) * period % period)

@@ -25,7 +25,7 @@ _HIGHEST, _WIDEST, _NARROWEST = 880, 880, 400   # pixels of the picture of the b
 _MANY = 300   # bodies above which only those that the plane cuts are drawn
 _BAR = 46    # pixels below the box for the colour scale
 _LINE = 19   # pixels a line of text
-_FEW = 8     # bodies drawn each in its colour and never pale
+_FEW = 7     # bodies drawn each in its colour and never pale
 _ENCODING = ["-crf", "22", "-preset", "veryfast", "-movflags", "+faststart"]
 _LIGHT = np.array([-0.45, 0.6, 0.66])   # from the upper left, towards the viewer
 
