@@ -155,8 +155,9 @@ class Lubrication:
         r"""Coefficients and gaps of spheres and walls within the box.
 
         The squeezed film between a sphere and a cylinder has two radii, :math:`R_1=1/(1/a+\kappa)` across the axis and
-        :math:`R_2=a` along it, and :math:`12\pi\mu\sqrt{R_1R_2}/(1/R_1+1/R_2)` instead of :math:`6\pi\mu a^2` [3]_; the logarithmic term is that of a plane. Such a wall is held by markers, as a body is: the grid resolves
-        it as it resolves two bodies.
+        :math:`R_2=a` along it, and :math:`12\pi\mu\sqrt{R_1R_2}/(1/R_1+1/R_2)` instead of
+        :math:`6\pi\mu a^2` [3]_; the logarithmic term is that of a plane. Such a wall is held by markers, as a body is:
+        the grid resolves it as it resolves two bodies.
 
         Parameters
         ----------

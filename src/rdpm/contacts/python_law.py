@@ -231,9 +231,7 @@ class PythonLaw:
     1.0
     """
 
-    def __init__(
-        self, force: Force, contact_time: float, interaction_range: float = 0.0, memory: int = 3
-    ) -> None:
+    def __init__(self, force: Force, contact_time: float, interaction_range: float = 0.0, memory: int = 3) -> None:
         if not 0.0 < contact_time < np.inf:
             raise CaseError("law.contact_time", contact_time, "must be a finite number above 0")
         if not 0.0 <= interaction_range < np.inf:
@@ -264,9 +262,7 @@ def _drift(task: ContactTask, active: NDArray[np.int32], time: float) -> None:
     task.rotation[active] += time * task.bodies.angular_velocity[active]
 
 
-def _geometry(
-    task: ContactTask, i: int, j: int
-) -> tuple[Floats, float, tuple[float, float], tuple[Floats, Floats]]:
+def _geometry(task: ContactTask, i: int, j: int) -> tuple[Floats, float, tuple[float, float], tuple[Floats, Floats]]:
     """Normal from i to j, distance (of a wall: from i's centre), levers, and a wall's velocity and angular velocity."""
     b, box, still = task.bodies, task.box, np.zeros(3)
     place = b.position[i]
