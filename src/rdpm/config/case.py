@@ -100,6 +100,7 @@ class Case(Model):
             self._check_wet(self.fluid)
         self._check_walls()
         self._check_releases()
+        self.output.check_places(self.domain.size, self.time.end)
         diameters = self.expanded_bodies().diameter
         cells = self.resolution.cells if self.resolution else None
         if cells is not None and len(diameters):
@@ -131,6 +132,12 @@ class Case(Model):
                 "Leave it out.",
                 value=True,
                 at=("contact", "lubrication"),
+            )
+        if self.output.samples_flow:
+            raise RuleError(
+                "must be left out of a case without [fluid]",
+                "there is no flow to sample",
+                at=("output", self.output.samples_flow),
             )
         if self.contact.model == "repulsive" and self.contact.repulsion_range is None:
             raise RuleError(
