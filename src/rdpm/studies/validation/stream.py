@@ -1,10 +1,10 @@
 r"""Drag of a fixed sphere in a uniform stream, Re 20 to 200.
 
-The coefficient is :math:`C_d = F / (\tfrac12\rho_f U^2\,\pi d^2/4)` with the force F of the fluid on the sphere once it is
-steady, against what solvers on grids fitted to a sphere give for an unbounded stream. The boundaries beside the stream are free-slip. It is
-a cube of 12 diameters with the sphere 7 diameters behind the inflow for Re 20 and 50, where a sphere is felt farther away,
-and one of 9 diameters with the sphere in the middle for Re 100 and 200. What the coefficient owes to the box is measured
-on a coarser grid, with more room behind the sphere and in every direction.
+The coefficient is :math:`C_d = F / (\tfrac12\rho_f U^2\,\pi d^2/4)` with the force F of the fluid on the sphere once it
+is steady, against what solvers on grids fitted to a sphere give for an unbounded stream. The boundaries beside the stream
+are free-slip. The box is a cube of 12 diameters with the sphere 7 diameters behind the inflow for Re 20 and 50, where a
+sphere is felt farther away, and one of 9 diameters with the sphere in the middle for Re 100 and 200. What the coefficient
+owes to the box is measured on a coarser grid, with more room behind the sphere and in every direction.
 """
 
 from __future__ import annotations
@@ -113,4 +113,5 @@ def _of_the_box(reynolds: float, room: Surroundings, tell: Tell) -> Found:
     for other, what, band in ((longer, "behind", BEHIND_BAND), (larger, "in every direction", ROOM_BAND)):
         tell(f"Re {reynolds:g}, {MORE:g} d more {what}, {COARSE} cells a diameter")
         change = drag_coefficient(reynolds, COARSE, other) / alone - 1.0
-        yield Row(f"change of the drag with {MORE:g} d more {what}, Re {reynolds:g}, {COARSE} cells/d", change, None, band)
+        name = f"change of the drag with {MORE:g} d more {what}, Re {reynolds:g}, {COARSE} cells/d"
+        yield Row(name, change, None, band)
