@@ -29,7 +29,7 @@ namespace {
 
 using Reals = In<double>;
 
-// box: rows size, period (0: not periodic, -1: open); six rows of wall velocities; five a wall within the box.
+// box: rows size, period (0: not periodic, -1: open); six of wall velocities; five a wall within the box.
 contacts::Box make_box(const Reals& array) {
     static_assert(sizeof(contacts::InnerWall) == 15 * sizeof(double));
     const std::int64_t rows = array.rows("box", {-1, 3});

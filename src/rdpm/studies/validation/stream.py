@@ -1,10 +1,11 @@
 r"""Drag of a fixed sphere in a uniform stream, Re 20 to 200.
 
-The coefficient is :math:`C_d = F / (\tfrac12\rho_f U^2\,\pi d^2/4)` with the force F of the fluid on the sphere once it
-is steady, against what solvers on grids fitted to a sphere give for an unbounded stream. The boundaries beside the stream
-are free-slip. The box is a cube of 12 diameters with the sphere 7 diameters behind the inflow for Re 20 and 50, where a
-sphere is felt farther away, and one of 9 diameters with the sphere in the middle for Re 100 and 200. What the coefficient
-owes to the box is measured on a coarser grid, with more room behind the sphere and in every direction.
+The coefficient is :math:`C_d = F / (\tfrac12\rho_f U^2\,\pi d^2/4)` with the force F of the fluid on the sphere once
+it is steady, against what solvers on grids fitted to a sphere give for an unbounded stream. The boundaries beside the
+stream are free-slip. The box is a cube of 12 diameters with the sphere 7 diameters behind the inflow for Re 20 and
+50, where a sphere is felt farther away, and one of 9 diameters with the sphere in the middle for Re 100 and 200. What
+the coefficient owes to the box is measured on a coarser grid, with more room behind the sphere and in every
+direction.
 """
 
 from __future__ import annotations
