@@ -42,8 +42,8 @@ REFUSED = {
     ),
     "a step above a given spring's": (
         ["check", "dkt", "--set", "contact={stiffness=5, damping=0.1}", "--set", 'time.step="9 ms"'],
-        'time.step = 0.009 s: must be at most 0.0078 s (the shortest contact of this stiffness lasts 0.0312 s and needs '
-        '4 steps). Lower it, use "auto", or give a softer contact.',
+        'time.step = 0.009 s: must be at most 0.0078 s (the shortest contact of this stiffness lasts 0.0312 s and '
+        'needs 4 steps). Lower it, use "auto", or give a softer contact.',
     ),
     "threads": (["run", "settling", "--threads", "1000"], "--threads = 1000: must lie between 1 and "),
     "a time without a folder": (["run", "settling", "--at", "3"], "--at = 3: needs --from"),
