@@ -156,3 +156,11 @@ def test_a_local_file_goes_before_the_shipped_case(tmp_path, monkeypatch, capsys
     assert "must be a file (it is a folder)" in capsys.readouterr().err
     (tmp_path / "settling" / "case.toml").write_text(shipped_text("settling"))
     assert case_source("./settling") == ("settling/case.toml", Path("settling"), "")
+
+
+def test_a_warning_of_a_plan_names_what_it_is_about_once():
+    changes = ["contact={stiffness=1, damping=0.1, overlap_warning=0.001}", "resolution.cells_per_diameter=4"]
+    found = plan(rdpm.load_case("dkt", changes)).warnings
+    assert "cells a diameter = 4.05: below 8 the drag is several per cent off" in found
+    assert any(text.startswith("damping ratio 1.59 > 1 (overdamped") for text in found)
+    assert not any(text.startswith(("max_overlap", "static_overlap", "regime")) for text in found)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from rdpm.figures.style import PALETTE
 from rdpm.io.files import replacing
 from rdpm.io.sphere_surface import sphere_surface
+from rdpm.io.wall_surface import wall_surface
 from rdpm.results.run import Run, load_run
 
 __all__ = ["finish_rendering", "start_rendering"]
@@ -82,6 +83,10 @@ def _render(run: Run, path: Path) -> None:
     plotter.set_background("white")
     edges = pyvista.Box((0, run.box[0], 0, run.box[1], 0, run.box[2])).outline()
     plotter.add_mesh(edges, color="#777777", line_width=2)
+    for wall in run.walls:
+        points, triangles = wall_surface(wall, run.box)
+        if len(triangles):
+            plotter.add_mesh(pyvista.PolyData.from_regular_faces(points, triangles.astype(int)), color="#999999", opacity=0.25)
     if count <= _FEW:
         moments = np.unique(np.linspace(0, len(position) - 1, 6).astype(int))
         for n in range(count):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rdpm.figures.marks import gravity_arrow
-from rdpm.figures.plane import Plane
+from rdpm.figures.plane import Plane, draw_walls
 from rdpm.figures.style import COLUMN, FLOW_MAP, column_figure, length_unit
 from rdpm.io.vtkhdf import field_grid, field_times, read_plane
 from rdpm.results.tracks import Tracks
@@ -136,6 +136,7 @@ def flow_chart(
         panels = [figure.add_subplot(grid[divmod(n, across)]) for n in range(len(steps))]
         for axes, step in zip(panels, steps, strict=True):
             image, arrows = _slice(axes, slices, step, width, height, speed_factor)
+            draw_walls(axes, plane, size, factor)
             if tracks is not None:
                 centres = factor * body_positions(tracks, slices.times[step])
                 d = factor * np.asarray(diameter, np.float64)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rdpm.figures.flow import periodic_copies
 from rdpm.figures.marks import FEW, gravity_arrow
-from rdpm.figures.plane import Plane
+from rdpm.figures.plane import Plane, circular_mean, draw_walls
 from rdpm.figures.style import ACCENT, PALETTE, column_figure, length_unit
 from rdpm.results.tracks import Tracks
 
@@ -53,13 +53,15 @@ def trajectory_chart(
     box, repeat = factor * size, factor * np.asarray(period, np.float64)
     d = factor * np.asarray(diameter, np.float64)
     position = factor * tracks.position
-    views = (plane, Plane(plane.normal, plane.up, plane.across, 0.0))
+    at = circular_mean(tracks.position[..., plane.across], float(np.asarray(period)[plane.across]))
+    views = (plane, Plane(plane.normal, plane.up, plane.across, at, plane.walls))
     widths = [box[view.across] for view in views]
     low, high = _seen(position[..., plane.up], 0.5 * d.max(), box[plane.up], repeat[plane.up])
     tall = float(np.clip(_ROOM * (high - low) / sum(widths), 1.0, 4.2))
     with column_figure("Paths, seen from two sides", tall + 1.25) as figure:
         pair = figure.subplots(1, 2, sharey=True, width_ratios=widths)
         for axes, view in zip(pair, views, strict=True):
+            draw_walls(axes, view, size, factor)
             _view(axes, position, d, box, repeat, view)
             axes.set(xlim=(0.0, box[view.across]), ylim=(low, high), xlabel=f"{'xyz'[view.across]} [{unit}]")
             axes.set_aspect("equal", anchor="N")

@@ -69,7 +69,7 @@ def make_report(
     """
     say = progress or (lambda _: None)
     run = load_run(folder)
-    plane = viewing_plane(run.tracks, run.box, run.gravity, run.period)
+    plane = viewing_plane(run.tracks, run.box, run.gravity, run.period, run.walls)
     figures = run.folder.figures
     try:
         figures.mkdir(exist_ok=True)

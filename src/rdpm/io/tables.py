@@ -25,11 +25,17 @@ __all__ = [
 ]
 
 # force: hydrodynamic; gap: the smallest to any body or wall; neighbour: that body, -1..-6 a face of
-# the box, `rdpm.conventions.NO_NEIGHBOUR` none.
+# the box, `rdpm.conventions.NO_NEIGHBOUR` none; from hydrodynamic_force on: means since the row before.
 PARTICLE_COLUMNS = (
     "time_s", "id", "x_m", "y_m", "z_m", "u_m_s", "v_m_s", "w_m_s",
     "omega_x_rad_s", "omega_y_rad_s", "omega_z_rad_s", "force_x_N", "force_y_N", "force_z_N",
     "contact_force_x_N", "contact_force_y_N", "contact_force_z_N", "gap_m", "neighbour",
+    "hydrodynamic_force_x_N", "hydrodynamic_force_y_N", "hydrodynamic_force_z_N",
+    "lubrication_force_x_N", "lubrication_force_y_N", "lubrication_force_z_N",
+    "collision_force_x_N", "collision_force_y_N", "collision_force_z_N",
+    "hydrodynamic_torque_x_N_m", "hydrodynamic_torque_y_N_m", "hydrodynamic_torque_z_N_m",
+    "lubrication_torque_x_N_m", "lubrication_torque_y_N_m", "lubrication_torque_z_N_m",
+    "collision_torque_x_N_m", "collision_torque_y_N_m", "collision_torque_z_N_m",
 )
 # outside: what left the range that the design promises, and why; "no" of a contact within.
 CONTACT_COLUMNS = (
@@ -44,7 +50,7 @@ HISTORY_COLUMNS = (
 TIMING_COLUMNS = ("step", "time_s", "wall_s", "momentum_s", "bodies_s", "poisson_s", "contacts_s")
 
 _HELD = 1 << 20  # bytes of rows that wait for a flush at most
-_INTEGERS = {"id", "neighbour", "i", "j", "step"}
+_INTEGERS = {"id", "neighbour", "i", "j", "step", "point", "line"}
 _TEXTS = {"kind", "outside"}
 
 
@@ -74,7 +80,7 @@ class TableWriter:
     path : path
         The file; an older one is replaced unless `append_at` is given.
     columns : sequence of str
-        Names for the header line. ``id, neighbour, i, j, step`` hold whole numbers, ``kind`` and
+        Names for the header line. ``id, neighbour, i, j, step, point, line`` hold whole numbers, ``kind`` and
         ``outside`` words, all others floats.
     append_at : int, optional, [bytes]
         Continue an existing table from this position (see `tell`): what stands behind it is cut off.
