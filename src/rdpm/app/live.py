@@ -212,7 +212,7 @@ class LiveRun:
         rows = rows[np.argsort(rows[:, 1], kind="stable")]
         if self.frame is not None and len(rows) != len(self.frame.position):
             return  # cut by the end of what was read
-        time, position = float(rows[0, 0]), rows[:, _P["x_m"] : _P["z_m"] + 1]
+        time, position, velocity, omega = float(rows[0, 0]), rows[:, 2:5], rows[:, 5:8], rows[:, 8:11]
         before = self.frame
         upright = np.tile([0.0, 0.0, 0.0, 1.0], (len(rows), 1))
         rotation = upright if before is None else turned(before.rotation, omega * (time - before.time))
