@@ -153,7 +153,9 @@ class CaseForm:
         """Add a table: an empty one, or one body like those of the first group."""
         groups = found_at(self._values, at)
         if at != ("bodies",):
-            self.changed((*at, len(groups)) if isinstance(groups, list) else at, {} if isinstance(groups, list) else [{}])
+            self.changed(
+                (*at, len(groups)) if isinstance(groups, list) else at, {} if isinstance(groups, list) else [{}]
+            )
             return
         first = groups[0] if isinstance(groups, list) and groups and isinstance(groups[0], dict) else {}
         alike = {"diameter": first.get("diameter", "10 mm"), "density": first.get("density", "2500 kg/m^3")}
