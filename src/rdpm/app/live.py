@@ -75,6 +75,8 @@ class Follower:
                 data = file.read(size - start)
         except OSError:
             return b""
+        if is_first and b"\n" not in data:
+            return b""  # not even the head is whole
         if is_first or start != self._at:
             data = data.partition(b"\n")[2]  # the head, or half a line
         whole = data[: data.rfind(b"\n") + 1]
@@ -172,6 +174,7 @@ class LiveRun:
             self.box = np.array(domain.get("size", self.box), np.float64).reshape(3)
             self.gravity = np.array(domain.get("gravity", self.gravity), np.float64).reshape(3)
         self._seen_flow = (-1, -1)
+        self._waiting, self._bodies = np.empty((0, len(_DRAWN))), 0
 
     @property
     def is_cut(self) -> bool:
@@ -184,16 +187,17 @@ class LiveRun:
         return 0 if self.frame is None else len(self.frame.position)
 
     def read(self) -> bool:
-        """Take in new rows; tell whether there were any."""
+        """Take in new rows; tell whether the bodies moved."""
+        before = self.frame
         rows = self._new_rows()
         if self.times and len(rows) and rows[0, 0] <= self.times[-1]:
             self._drop_from(float(rows[0, 0]))
-        for one in _by_time(rows):
-            self._take(one)
+            self._waiting = self._waiting[:0]
+        self._take_whole(rows)
         self._take_contacts()
         while len(self.times) > _MOST_POINTS:
             self.times, self.settling, self.gap = self.times[::2], self.settling[::2], self.gap[::2]
-        return bool(len(rows))
+        return self.frame is not before
 
     def _new_rows(self) -> Floats:
         """New rows of the columns that are drawn; a row without a gap has no neighbour."""
@@ -203,6 +207,22 @@ class LiveRun:
         rows = numbers(data, len(heads))[:, [heads.index(name) for name in _DRAWN]]
         return np.asarray(rows[np.isfinite(rows[:, :-1]).all(axis=1)])
 
+    def _take_whole(self, rows: Floats) -> None:
+        """Take in the times of which all bodies are there; rows of the last one may still be on their way."""
+        groups = _by_time(np.concatenate([self._waiting, rows]))
+        self._waiting = np.empty((0, len(_DRAWN)))
+        for n, one in enumerate(groups):
+            is_last = n == len(groups) - 1
+            if not self._bodies:
+                if is_last:
+                    self._waiting = one
+                elif n or not self.is_cut:
+                    self._bodies = len(one)
+            if len(one) == self._bodies:
+                self._take(one)
+            elif is_last:
+                self._waiting = one
+
     def _drop_from(self, time: float) -> None:
         keep = int(np.searchsorted(self.times, time))
         del self.times[keep:], self.settling[keep:], self.gap[keep:]
@@ -210,8 +230,6 @@ class LiveRun:
 
     def _take(self, rows: Floats) -> None:
         rows = rows[np.argsort(rows[:, 1], kind="stable")]
-        if self.frame is not None and len(rows) != len(self.frame.position):
-            return  # cut by the end of what was read
         time, position, velocity, omega = float(rows[0, 0]), rows[:, 2:5], rows[:, 5:8], rows[:, 8:11]
         before = self.frame
         upright = np.tile([0.0, 0.0, 0.0, 1.0], (len(rows), 1))
