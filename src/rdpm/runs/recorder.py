@@ -81,7 +81,8 @@ class Recorder:
                 name: files.enter_context(TableWriter(folder.table(name), columns, at.get(name)))
                 for name, columns in TABLES.items()
             }
-            self._flow = self._shapes = None
+            self._flow: FieldWriter | None = None
+            self._shapes: BodyWriter | None = None
             self._open_fields(folder, simulation.time if resumed else None, note)
             self._particles, self._contacts, self._history, self._timing = writers.values()
             self._writers = writers
