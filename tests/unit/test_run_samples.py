@@ -20,6 +20,7 @@ CASE = {
         "report": False,
         "table_every": 0.01,
         "fields_every": 0.025,
+        "fields_tolerance": 0,
         "checkpoint_every": 0.02,
         "points": [[0.015, 0.014, 0.02], [0.0, 0.01, 0.01]],
         "lines": [{"start": [0.015, 0.014, 0.0], "end": [0.015, 0.014, 0.02], "count": 5}],

@@ -140,8 +140,7 @@ WRONG = [
         "dkt",
         "[contact]",
         "lattice = { counts = [1, 1, 1], spacing = [1, 1, 1] }\n[contact]",
-        ':17: bodies[0]: must have exactly one of "centers", "file", "lattice", "packing" (given '
-        'are "centers", ',
+        ':17: bodies[0]: must have exactly one of "centers", "file", "lattice", "packing" (given are "centers", ',
     ),
     (
         "cloud",
@@ -191,7 +190,8 @@ WRONG = [
         "dkt",
         '"soft-sphere"',
         '"hard-sphere"',
-        ':24: contact.model = "hard-sphere": is not in this version. Use "soft-sphere" or "hertz" or "repulsive".',
+        ':26: contact.contact_steps = 8.0: belongs to model = "soft-sphere" (this contact has model = "hard-sphere"). '
+        'Leave it out, or set contact.model = "soft-sphere".',
     ),
     (
         "dkt",

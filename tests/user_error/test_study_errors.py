@@ -20,7 +20,7 @@ HEAD = '[base]\ncase = "dkt"\n'
         (HEAD + "[vray]\n", '3: vray: unknown key. Did you mean "vary"?'),
         (HEAD + "[start]\natt = 1\n", '4: start.att: unknown key. Did you mean "at"?'),
         ("title = 'a'\n", 'base: is missing. Add [base] with case = "dkt".'),
-        ('measure = ["dkd"]\n' + HEAD, '1: measure[0] = "dkd": must be one of "contacts", "dkt"'),
+        ('measure = ["dkd"]\n' + HEAD, 'measure[0] = "dkd": must be one of "contacts", "cost", "design", "dkt", '),
         (HEAD + '[vary]\n"time.end" = "1:2"\n', '4: vary."time.end" = "1:2": must be a list of values or a range'),
         (HEAD + '[vary]\n"time.end" = "1:2:1 s"\n', "must have 2 to 1000 values (the range counts 1)"),
         (HEAD + '[vary]\n"time.end" = "log 0:2:5 s"\n', "must have positive ends"),

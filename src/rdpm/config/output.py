@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BeforeValidator, StrictBool
 
-from rdpm.config.declared import Components, EachOf, LeftOut, Quantity, Whole, items
+from rdpm.config.declared import Choice, Components, EachOf, LeftOut, Quantity, Whole, items
 from rdpm.config.fields import Model, Vector, Vectors
 from rdpm.config.probes import Line, Plane
 from rdpm.config.rule import RuleError
 
 __all__ = ["Output"]
 
+FigureFormat = Literal["png", "pdf", "svg"]
 ROWS, FRAMES = 500, 50  # of the tables and of the fields, where the case does not say
 
 
@@ -36,6 +37,9 @@ class Output(Model):
         Time between rows of the tables.
     fields_every
         Time between pictures of the flow and the bodies; 0 writes none.
+    fields_tolerance
+        Error of velocity and pressure in the pictures of the flow, over the largest magnitude of each: rounded so, they
+        take a twelfth of the disk. 0 keeps them in single precision.
     checkpoint_every
         Time between checkpoints, beside those every five minutes of wall time and at the end.
     checkpoints_kept
@@ -62,10 +66,13 @@ class Output(Model):
         Whether a run makes its figures and `report.html`.
     video
         Whether the report has a video.
+    figure_format
+        Charts are written as `png`, which the report holds, and in this format for print.
     """
 
     table_every: Annotated[float | None, Quantity("s", gt=0.0), LeftOut(f"time.end / {ROWS}")] = None
     fields_every: Annotated[float | None, Quantity("s", ge=0.0), LeftOut(f"time.end / {FRAMES}")] = None
+    fields_tolerance: Annotated[float, Quantity("", ge=0.0, le=0.1)] = 5e-4
     checkpoint_every: Annotated[float | None, Quantity("s", gt=0.0)] = None
     checkpoints_kept: Annotated[int, Whole(2, 10_000)] = 2
     points: Annotated[Vectors, EachOf(Components(Quantity("m")))] = ()
@@ -79,6 +86,7 @@ class Output(Model):
     q_criterion: StrictBool = False
     report: StrictBool = True
     video: StrictBool = True
+    figure_format: Annotated[FigureFormat, Choice(get_args(FigureFormat))] = "png"
 
     def filled(self, end: float) -> Output:
         """Return the same with the times that were left out, for a run until `end` [s]."""

@@ -34,7 +34,7 @@ def step(system: System, dt: float, is_isolated: bool = False) -> None:
             # The lagged forces are a source of the prediction.
             watch.lap("bodies")
         uniform = system.mean_flow.begin(dt, system.force_on_fluid)
-        fluid.predict(dt, uniform)
+        fluid.predict(dt, uniform, time=system.time)
         if immersed is not None:
             immersed.remove_unretained_force(fluid, dt, unretained)
         # u, v, w are the new velocity but for the change of forcing and of pressure.

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from rdpm.errors import CaseError
 from rdpm.io.appending import appending, reserve
 from rdpm.io.files import replacing
+from rdpm.io.packing import PACKED, append_rounded
 
 if TYPE_CHECKING:
     import h5py
@@ -66,12 +67,13 @@ class FieldWriter:
     spacing : tuple of float, (3,), [m]
         dx, dy, dz.
     keep_until : float, optional, [s]
-        Continue an existing file: steps after this time are dropped, later ones appended. Without it
-        an older file is replaced.
+        Continues a file: steps after this time are dropped, later ones appended. Without it an older file is replaced.
     quantities : mapping of str to int
         Names, and components of each: 1 or 3. Velocity and pressure when left out.
     origin : tuple of float, (3,), [m]
         Lower corner.
+    tolerance : float, [-]
+        Rounds by at most so much of the largest magnitude of a step, and compresses; 0 keeps single precision.
 
     Raises
     ------
@@ -96,8 +98,9 @@ class FieldWriter:
         keep_until: float | None = None,
         quantities: Mapping[str, int] = FLOW,
         origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        tolerance: float = 0.0,
     ) -> None:
-        self.path, self.quantities = Path(path), dict(quantities)
+        self.path, self.quantities, self.tolerance = Path(path), dict(quantities), tolerance
         self.shape = (int(cells[2]), int(cells[1]), int(cells[0]))
         if keep_until is not None and self.path.exists():
             self._rewind(keep_until)
@@ -128,9 +131,9 @@ class FieldWriter:
                 tail = (width,) if width > 1 else ()
                 shape = (*self.shape, *tail)
                 chunk = (1, *[-(-n // -(-n // _CHUNK)) for n in self.shape], *tail)   # equal pieces: no padding
+                packing: dict[str, Any] = PACKED if self.tolerance > 0.0 else {}   # unrounded it would save a third
                 data.create_dataset(
-                    # raw: packing costs more than the steps between two pictures, and saves a third
-                    name, shape=(0, *shape), maxshape=(None, *shape), dtype="f4", chunks=chunk
+                    name, shape=(0, *shape), maxshape=(None, *shape), dtype="f4", chunks=chunk, **packing
                 )
                 offsets.create_dataset(name, shape=(0,), maxshape=(None,), dtype="i8", chunks=(256,))
 
@@ -168,7 +171,7 @@ class FieldWriter:
         with appending(self.path, sum(array.nbytes for array in arrays.values())) as root:
             step = int(root["Steps"].attrs["NSteps"])
             for name, array in arrays.items():
-                append_rows(root["CellData"][name], array[None])
+                append_rounded(root["CellData"][name], array, self.tolerance)
                 append_rows(root["Steps/CellDataOffsets"][name], np.array([step]))
             append_rows(root["Steps/Values"], np.array([time]))
             root["Steps"].attrs["NSteps"] = step + 1

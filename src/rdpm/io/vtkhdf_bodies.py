@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from rdpm.io.appending import appending, reserve
 from rdpm.io.files import replacing
-from rdpm.io.sphere_surface import sphere_surface
+from rdpm.io.packing import PACKED
+from rdpm.io.sphere_surface import sphere_surface, surface_level
 from rdpm.io.vtkhdf import append_rows, start_file, steps_until
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["BodyWriter"]
 
-_PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}   # VTK reads no lzf
 _POINTS = 65536   # a chunk of the bodies' surfaces
 
 
@@ -83,7 +83,7 @@ class BodyWriter:
 
     def _create(self, root: h5py.Group, count: int) -> None:
         """Everything that does not change from step to step: triangles and ids are stored once."""
-        points, triangles = sphere_surface(_level(count))
+        points, triangles = sphere_surface(surface_level(count))
         size = len(points)
         cells = (triangles[None] + size * np.arange(count)[:, None, None]).reshape(-1, 3)
         for name, used in (("Vertices", 0), ("Lines", 0), ("Polygons", len(cells)), ("Strips", 0)):
@@ -94,14 +94,14 @@ class BodyWriter:
             group.create_dataset("Connectivity", data=cells[:used].ravel())
         root.create_dataset("NumberOfPoints", data=np.array([count * size]))
         chunk = (max(1, min(count * size, _POINTS)), 3)
-        root.create_dataset("Points", (0, 3), maxshape=(None, 3), dtype="f4", chunks=chunk, **_PACKED)
+        root.create_dataset("Points", (0, 3), maxshape=(None, 3), dtype="f4", chunks=chunk, **PACKED)
         data, steps = root.create_group("PointData"), root["Steps"]
         offsets = steps.create_group("PointDataOffsets")
         data.create_dataset("id", data=np.repeat(np.arange(count), size))
         for name, width in self._VALUES:
             tail = (width,) if width > 1 else ()
             data.create_dataset(
-                name, (0, *tail), maxshape=(None, *tail), dtype="f4", chunks=(chunk[0], *tail), **_PACKED
+                name, (0, *tail), maxshape=(None, *tail), dtype="f4", chunks=(chunk[0], *tail), **PACKED
             )
         for name in data:
             offsets.create_dataset(name, shape=(0,), maxshape=(None,), dtype="i8", chunks=(256,))
@@ -139,7 +139,7 @@ class BodyWriter:
         centre = np.asarray(position, np.float64).reshape(-1, 3)
         count = len(centre)
         radius = 0.5 * np.asarray(diameter, np.float64).reshape(count)
-        unit, _ = sphere_surface(_level(count))
+        unit, _ = sphere_surface(surface_level(count))
         u = np.asarray(velocity, np.float64).reshape(count, 3)
         omega = np.asarray(angular_velocity, np.float64).reshape(count, 3)
         values = {"velocity": u, "angular_velocity": omega, "speed": np.linalg.norm(u, axis=1)}
@@ -161,7 +161,3 @@ class BodyWriter:
             for name in self._EACH_STEP[4:]:
                 append_rows(steps[name], np.zeros((1, 4), np.int64))
             steps.attrs["NSteps"] = int(steps.attrs["NSteps"]) + 1
-
-
-def _level(count: int) -> int:
-    return 3 if count <= 20 else 2 if count <= 200 else 1 if count <= 2000 else 0

@@ -17,9 +17,11 @@ from rdpm.fluid.derived import vorticity_and_q
 from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, TableWriter
 from rdpm.io.vtkhdf import FLOW, FieldWriter
 from rdpm.io.vtkhdf_bodies import BodyWriter
+from rdpm.io.wall_surface import write_walls
 from rdpm.particles.state import LOADS
-from rdpm.results.contacts import is_pressed
+from rdpm.results.contacts import NOT_OUTSIDE, count_reasons, is_pressed, outside_range
 from rdpm.results.run_folder import TABLES, RunFolder
+from rdpm.results.summary import ContactDesign
 from rdpm.runs.continued import continued
 from rdpm.runs.flow_samples import FlowSamples, probes
 from rdpm.runs.record_tables import RecordTables
@@ -44,8 +46,8 @@ class Recorder:
         What `state` gave: the files are continued from there, later rows and fields dropped.
     note : callable, optional
         Gets a sentence about a file that could not be continued.
-    contact_times : mapping of str to float, optional, [s]
-        Of the design, by kind of contact: tells impacts from pressed contacts.
+    design : ContactDesign, optional
+        Tells impacts from pressed contacts, and what left the range that it promises.
     records : RecordTables, optional
         The user's own.
     """
@@ -57,11 +59,11 @@ class Recorder:
         output: Output,
         resumed: tuple[Mapping[str, NDArray[Any]], Mapping[str, Any]] | None = None,
         note: Callable[[str], None] | None = None,
-        contact_times: Mapping[str, float] | None = None,
+        design: ContactDesign | None = None,
         records: RecordTables | None = None,
     ) -> None:
         self.simulation, self._output = simulation, output
-        self._contact_times = contact_times or {}
+        self._design = design or ContactDesign()
         self._tables = simulation.asked(output.table_every or 0.0)
         self._fields = simulation.asked(output.fields_every or 0.0)
         bodies = simulation.bodies
@@ -72,6 +74,7 @@ class Recorder:
         self._deepest = 0.0
         self.episodes: dict[str, Any] = {
             "count": 0, "pressed": 0, "max_overlap_fraction": 0.0, "total_time_s": 0.0, "came_to_rest": 0, "capped": 0,
+            "outside": 0, "outside_reasons": {},
         }  # fmt: skip
         self.max_speed = np.linalg.norm(bodies.velocity, axis=1)
         arrays, facts = resumed or ({}, {})
@@ -110,11 +113,14 @@ class Recorder:
             quantities |= {"q_criterion": 1} if output.q_criterion else {}
 
             def made(path: Path, keep: float | None) -> FieldWriter:
-                return FieldWriter(path, cells, spacing, keep, quantities)
+                return FieldWriter(path, cells, spacing, keep, quantities, tolerance=output.fields_tolerance)
 
             self._flow = continued(folder.fields, until, note, made)
         if len(self.simulation.bodies):
             self._shapes = continued(folder.bodies, until, note, BodyWriter)
+        box = self.simulation.system.contacts.box
+        if box.walls:
+            write_walls(folder.walls, box.walls, box.size)
 
     def state(self) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
         """Sums and schedules, and where each table, now safe on the disk, stands: arrays, and plain values."""
@@ -169,9 +175,16 @@ class Recorder:
         rows = self.simulation.system.contacts.take_episodes()
         if not len(rows):
             return
-        pressed = is_pressed(rows["kind"], rows["stokes_number"], rows["duration_s"], self._contact_times)
+        pressed = is_pressed(rows["kind"], rows["stokes_number"], rows["duration_s"], self._design.contact_times)
         rows["restitution"][pressed] = np.nan
-        self._contacts.write([[row[name] for name in CONTACT_COLUMNS] for row in rows])
+        outside = outside_range(rows, pressed, self._design)
+        self._contacts.write(
+            [[*(row[name] for name in CONTACT_COLUMNS[:-1]), said] for row, said in zip(rows, outside, strict=True)]
+        )
+        reasons = self.episodes["outside_reasons"]
+        for reason, count in count_reasons(outside).items():
+            reasons[reason] = reasons.get(reason, 0) + count
+        self.episodes["outside"] += int((outside != NOT_OUTSIDE).sum())
         self.episodes["pressed"] += int(pressed.sum())
         self.episodes["count"] += len(rows)
         self.episodes["total_time_s"] += float(rows["duration_s"].sum())

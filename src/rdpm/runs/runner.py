@@ -138,7 +138,7 @@ def _is_untouched(files: RunFolder) -> bool:
         return False
     # The first checkpoint is written before the first step: what is there without one holds no result.
     first = {files.case, files.log, files.lock, files.checkpoints, files.fields, files.bodies, *files.tables}
-    first |= {files.points, files.lines, files.records, *files.plane_files}
+    first |= {files.walls, files.points, files.lines, files.records, *files.plane_files}
     if all(path in first or path.name.startswith(".") for path in files.path.iterdir()):
         return True
     raise CheckpointError(
@@ -254,8 +254,7 @@ class _Run:
         output = case.output
         resumed = (saved.part("recorder"), saved.facts["recorder"]) if saved is not None and self.is_same else None
         with Recorder(
-            simulation, files, output, resumed, self.teller.warn, contact_design(simulation).contact_times,
-            self.records,
+            simulation, files, output, resumed, self.teller.warn, contact_design(simulation), self.records,
         ) as recorder:
             every = output.checkpoint_every or 0.0
             checkpoints = Checkpoints(simulation, recorder, files, text, every, output.checkpoints_kept)

@@ -24,6 +24,7 @@ from rdpm.particles.calibration import CALIBRATION, Calibration
 from rdpm.particles.immersed import ImmersedBodies
 from rdpm.particles.prescribed import Motion, Prescription
 from rdpm.particles.state import Bodies
+from rdpm.setup.inflow import inflow_of
 from rdpm.setup.plan import Plan, plan
 from rdpm.simulation.record import Record
 from rdpm.simulation.time_loop import TimeLoop
@@ -134,7 +135,8 @@ def _system(made: Plan, threads: int, calibration: Calibration) -> System:
     case, fluid = made.case, made.case.fluid
     bodies, prescription = _bodies(case)
     domain = case.domain
-    box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities))
+    walls = tuple(wall.surface for wall in case.walls)
+    box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities), walls, inflow_of(case))
     gravity = np.array(domain.gravity)
     if fluid is None or made.cells is None:
         return System(bodies, _contacts(made, bodies, box, None, calibration), prescription, gravity)
@@ -147,7 +149,7 @@ def _system(made: Plan, threads: int, calibration: Calibration) -> System:
         lubrication = lubrication_correction(fluid.mu, h, case.contact.lubrication_roughness, calibration)
     contacts = _contacts(made, bodies, box, lubrication, calibration)
     immersed = None
-    if len(bodies):
+    if len(bodies) or box.walls:
         immersed = ImmersedBodies(bodies, flow, gravity, calibration, made.step.longest is not None)
     initial = np.array(fluid.initial_velocity)
     mean_flow = MeanFlow(np.array(fluid.acceleration), case.zero_mean_flow, fluid.density * grid.volume, initial)

@@ -100,6 +100,7 @@ def _swept_or_named(results: StudyResults) -> Sweep:
     if sweep.key or len(sweep.rows) < 2:
         return sweep
     wet = [row for row in sweep.rows if np.isfinite(_number(row.get("fluid.viscosity")))]
+    wet = [row for row in wet if row.get("contact.lubrication") not in (False, "False")]
     if len(wet) > 1 and len({row["fluid.viscosity"] for row in wet}) == len(wet):
         return Sweep(sorted(wet, key=lambda row: float(row["fluid.viscosity"])), "fluid.viscosity", [], [], results)
     return sweep
@@ -118,14 +119,17 @@ def draw_wet_restitution(results: StudyResults, folder: Path) -> list[Picture]:
     seen = np.isfinite(stokes) & np.isfinite(wet)
     if not seen.any():
         raise ValueError("no run rebounds")
-    order = np.argsort(stokes[seen])
+    bare = np.array([row.get("contact.lubrication") in (False, "False") for row in sweep.rows])
     dry = next((value for value in first[is_dry] if np.isfinite(value)), None)
     target = dry if dry is not None else float(np.nanmax(sweep.column("designed_restitution")))
     line = np.geomspace(min(3.0, stokes[seen].min()), max(1500.0, stokes[seen].max()), 200)
     curves = [
-        Curve("wet, simulated", stokes[seen][order], wet[seen][order], PALETTE[0], "points"),
+        Curve("with lubrication", stokes[seen & ~bare], wet[seen & ~bare], PALETTE[0], "points"),
         Curve("Legendre et al. 2005", line, np.asarray(design.legendre(target, line)), PALETTE[1]),
     ]
+    if (seen & bare).any():
+        label = "without, film lost to the grid"
+        curves.insert(1, Curve(label, stokes[seen & bare], wet[seen & bare], PALETTE[2], "points"))
     limits = ((dry, "dry, simulated"),) if dry is not None else ()
     wet_run = sweep.runs()[int(np.flatnonzero(seen)[0])]
     path = chart(
@@ -195,7 +199,7 @@ def draw_videos(results: StudyResults, folder: Path) -> list[Picture]:
         own = results.run_folder(str(row["run"]), str(row["study"]))
         start = by_name.get(starts[own].start)
         flow = load_flow(own, results.folder.work(start).path if start else None)
-        plane = flow[0] if flow else viewing_plane(run.tracks, run.box, run.gravity)
+        plane = flow[0] if flow else viewing_plane(run.tracks, run.box, run.gravity, run.period, run.walls)
         title = (f"{parameter(sweep.key).plain} = {row[sweep.key]:g} {parameter(sweep.key).unit}" if sweep.key
                  else str(row["run"]))  # fmt: skip
         scenes.append(Scene(title, run.box, run.period, plane, run.diameter, run.tracks, flow[1] if flow else None))
