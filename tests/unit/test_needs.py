@@ -18,8 +18,8 @@ CASES = {
     "settling": ["time.end=0.04"],  # with its report
     "dkt-small": [*SHORT, "time.end=2 ms", "output.table_every=0.1 ms", "output.fields_every=0.5 ms"],
     "cloud": [
-        *SHORT, "time.end=8 ms", "output.fields_every=2 ms", "output.average_from=0", "output.average_every=2 ms", "output.vorticity=true",
-        "output.planes=[{normal = 'y', position = '1 cm'}]", "output.points=[['1 cm', '1 cm', '1 cm']]",
+        *SHORT, "time.end=8 ms", "output.fields_every=2 ms", "output.average_from=0", "output.average_every=2 ms",
+        "output.vorticity=true", "output.planes=[{normal = 'y', position = '1 cm'}]", "output.points=[['1 cm', '1 cm', '1 cm']]",
     ],
 }  # fmt: skip
 SCRIPT = """

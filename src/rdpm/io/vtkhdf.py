@@ -182,9 +182,10 @@ def _reading(path: str | Path) -> Iterator[h5py.Group]:
     import h5py
 
     try:
-        with h5py.File(path, "r") as file:
+        # without a lock: a reader must not stop the run that writes the file
+        with h5py.File(path, "r", locking=False) as file:
             yield file["VTKHDF"]
-    except (OSError, KeyError) as error:
+    except (OSError, KeyError, RuntimeError) as error:
         reason = str(error).splitlines()[0]
         raise CaseError(str(path), None, "must be a VTKHDF file of a run", reason) from error
 

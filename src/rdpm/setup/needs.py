@@ -15,7 +15,7 @@ LIBRARIES, WRITING = 80_000_000, 12_000_000
 #: Of a cell: a picture of the flow as it is rounded and packed; vorticity and Q; sums of averages [bytes].
 PICTURE, DERIVED, AVERAGES = 30, 30, 56
 
-#: What the libraries that draw add to the run's process, the view of the bodies and the encoder of the video take [bytes].
+#: What the libraries that draw add to the run's process; the view of the bodies; the encoder of the video [bytes].
 FIGURES, VIEW, ENCODER = 62_000_000, 565_000_000, 120_000_000
 
 #: Of a body: its state, and a row of the tables as text [bytes].
