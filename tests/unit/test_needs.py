@@ -19,7 +19,8 @@ CASES = {
     "dkt-small": [*SHORT, "time.end=2 ms", "output.table_every=0.1 ms", "output.fields_every=0.5 ms"],
     "cloud": [
         *SHORT, "time.end=8 ms", "output.fields_every=2 ms", "output.average_from=0", "output.average_every=2 ms",
-        "output.vorticity=true", "output.planes=[{normal = 'y', position = '1 cm'}]", "output.points=[['1 cm', '1 cm', '1 cm']]",
+        "output.vorticity=true",
+        "output.planes=[{normal = 'y', position = '1 cm'}]", "output.points=[['1 cm', '1 cm', '1 cm']]",
     ],
 }  # fmt: skip
 SCRIPT = """

@@ -23,7 +23,8 @@ QUIET = 0.25
 #: Of ``bodies.vtkhdf``: its begun chunks, and of a point its triangles and its values in a picture, compressed [bytes].
 BODIES, TRIANGLES, POINT = 85_000, 80, 10
 
-#: A row of ``particles.csv`` with and without a fluid; of ``history.csv`` and ``timing.csv`` together; other texts; a sample of the flow at a point [bytes].
+#: A row of ``particles.csv`` with and without a fluid; of ``history.csv`` and ``timing.csv`` together; other texts; a
+#: sample of the flow at a point [bytes].
 WET_ROW, DRY_ROW, ROW, TEXTS, SAMPLE = 520, 320, 250, 8_000, 165
 
 #: Arrays of a checkpoint the size of the grid with its halo, in double precision.
