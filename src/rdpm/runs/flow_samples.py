@@ -84,9 +84,7 @@ class FlowSamples:
         self.means = FlowMeans(self._fluid.grid.cells) if output.average_from is not None else None
         self._files: list[FieldWriter] = []
 
-    def open(
-        self, resumed: tuple[Mapping[str, NDArray[Any]], Mapping[str, Any]] | None, note: Note | None
-    ) -> None:
+    def open(self, resumed: tuple[Mapping[str, NDArray[Any]], Mapping[str, Any]] | None, note: Note | None) -> None:
         """Begin the files, or continue them from what `state` gave."""
         until = self._simulation.time if resumed else None
         for n, (axis, position) in enumerate(self._planes):
