@@ -323,7 +323,8 @@ DRY = {
     [
         (
             "contact={max_overlap=0.2, impact_speed=1}",
-            "contact.max_overlap = 0.2: must be below overlap_limit = 0.2",
+            'contact.max_overlap = 0.2: must be at most 0.05, a fraction of the diameter (a contact that deep is no '
+            'sphere\'s). For 0.2 % write 0.002, or "0.2 %".',
         ),
         ("time.step=auto", 'time.step = "auto": must be a time in a case without [fluid]'),
         (
