@@ -11,8 +11,9 @@ from rdpm.config.fields import Model
 from rdpm.config.rule import RuleError, listed
 from rdpm.conventions import OVERLAP_WARNING
 
-__all__ = ["DEFAULT_CONTACT", "Contact", "keys_of_other_models"]
+__all__ = ["DEEPEST_DESIGN", "DEFAULT_CONTACT", "Contact", "keys_of_other_models"]
 
+DEEPEST_DESIGN = 0.05  # a spring that gives more is hardly meant: per cent for a fraction
 DEFAULT_CONTACT = {"contact_steps": 8.0, "restitution": 0.9}
 
 _RESTITUTION = 0.9  # of most hard spheres within 10 %, where only the overlap is designed
@@ -210,6 +211,14 @@ class Contact(Model):
                 "or max_overlap and impact_speed",
                 found,
                 _cure(frozenset(given)),
+            )
+        if self.max_overlap is not None and self.max_overlap > DEEPEST_DESIGN:
+            raise RuleError(
+                f"must be at most {DEEPEST_DESIGN:g}, a fraction of the diameter",
+                "a contact that deep is no sphere's",
+                f'For {self.max_overlap:g} % write {0.01 * self.max_overlap:g}, or "{self.max_overlap:g} %".',
+                value=self.max_overlap,
+                at=("max_overlap",),
             )
         if self.adaptive_collision_time and frozenset(given) != {"contact_steps", "restitution"}:
             raise RuleError(

@@ -64,7 +64,18 @@ class Episodes:
 
     def __init__(self, bodies: Bodies, box: Box, viscosity: float | None) -> None:
         self._bodies, self._box, self._viscosity = bodies, box, viscosity
-        self.rows: Rows = np.empty(0, EPISODE)
+        self._parts: list[Rows] = []
+
+    @property
+    def rows(self) -> Rows:
+        """All that are recorded, dtype :data:`EPISODE`."""
+        if len(self._parts) != 1:
+            self._parts = [np.concatenate([np.empty(0, EPISODE), *self._parts])]
+        return self._parts[0]
+
+    @rows.setter
+    def rows(self, rows: Rows) -> None:
+        self._parts = [rows]
 
     def add(self, ids: NDArray[np.int32], finished: Rows, dt: float) -> None:
         """Record contacts.
@@ -89,7 +100,7 @@ class Episodes:
         met = impact > 0.0
         rows["restitution"] = np.where(met, rebound, np.nan) / np.where(met, impact, 1.0)
         rows["stokes_number"] = self._stokes_per_speed(ids) * np.maximum(impact, 0.0)
-        self.rows = np.concatenate([self.rows, rows])
+        self._parts.append(rows)
 
     def _stokes_per_speed(self, ids: NDArray[np.int32]) -> Floats:
         """m_ij/(6 pi mu a_r^2) of each pair, [s/m]; nan when dry."""

@@ -139,7 +139,7 @@ def _system(made: Plan, threads: int, calibration: Calibration) -> System:
     box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities), walls, inflow_of(case))
     gravity = np.array(domain.gravity)
     if fluid is None or made.cells is None:
-        return System(bodies, _contacts(made, bodies, box, None, calibration), prescription, gravity)
+        return System(bodies, _contacts(made, bodies, box, None, calibration, threads), prescription, gravity)
     grid = Grid(box, made.cells, threads)
     flow = Fluid(grid, fluid.density, fluid.nu, made.step.is_explicit)
     flow.set_velocity(*fluid.initial_velocity)
@@ -148,7 +148,7 @@ def _system(made: Plan, threads: int, calibration: Calibration) -> System:
         h = float(np.cbrt(np.prod(grid.spacing)))
         separation = 1.0 if case.contact.lubrication_in_separation else 0.0
         lubrication = lubrication_correction(fluid.mu, h, case.contact.lubrication_roughness, calibration, separation)
-    contacts = _contacts(made, bodies, box, lubrication, calibration)
+    contacts = _contacts(made, bodies, box, lubrication, calibration, threads)
     immersed = None
     if len(bodies) or box.walls:
         immersed = ImmersedBodies(bodies, flow, gravity, calibration, made.step.longest is not None)
@@ -197,7 +197,12 @@ def lubrication_correction(
 
 
 def _contacts(
-    made: Plan, bodies: Bodies, box: Box, lubrication: Lubrication | None, calibration: Calibration
+    made: Plan,
+    bodies: Bodies,
+    box: Box,
+    lubrication: Lubrication | None,
+    calibration: Calibration,
+    threads: int,
 ) -> Contacts:
     contact, fluid = made.case.contact, made.case.fluid
     substeps = calibration.substeps_per_contact
@@ -205,7 +210,7 @@ def _contacts(
     if contact.substeps is not None and times:
         substeps = max(10, math.ceil(contact.substeps * min(times) / made.step.dt))
     viscosity = fluid.mu if fluid else None
-    return Contacts(bodies, box, made.law, lubrication, substeps, contact.overlap_limit, viscosity)
+    return Contacts(bodies, box, made.law, lubrication, substeps, contact.overlap_limit, viscosity, threads)
 
 
 def _motions(given: tuple[Any, ...]) -> dict[int, Motion]:
