@@ -72,7 +72,7 @@ WRONG = [
         "dkt",
         'z = "wall"',
         'z = "wal"',
-        ':10: domain.boundary.z = "wal": must be "periodic" or "wall" or "free-slip".',
+        ':10: domain.boundary.z = "wal": must be "periodic" or "wall" or "free-slip" or "inflow-outflow".',
     ),
     (
         "dkt",

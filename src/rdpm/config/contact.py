@@ -113,6 +113,8 @@ class Contact(Model):
         Whether the lubrication that the grid does not resolve is added; with a fluid only.
     lubrication_roughness
         Gap over radius below which the lubrication force no longer grows.
+    lubrication_in_separation
+        Whether lubrication also holds back surfaces that part; false for a film that breaks instead of pulling.
     overlap_warning
         Overlap over the smaller diameter above which a design or a run warns: deeper contacts disturb the flow.
     overlap_limit
@@ -152,6 +154,7 @@ class Contact(Model):
     repulsion_stiffness: Annotated[float | None, Quantity("N", gt=0.0)] = None
     lubrication: Annotated[StrictBool, LeftOut("true with a fluid")] = True
     lubrication_roughness: Annotated[float, Quantity("", gt=0.0, le=0.1)] = 1e-3
+    lubrication_in_separation: StrictBool = True
     overlap_warning: Annotated[float, Quantity("", gt=0.0, le=0.05)] = OVERLAP_WARNING
     overlap_limit: Annotated[float, Quantity("", gt=0.0, le=0.5)] = 0.2
     substeps: Annotated[int | None, Whole(1, 100_000), LeftOut("chosen from the contact time")] = None
