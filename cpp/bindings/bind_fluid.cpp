@@ -23,8 +23,8 @@ void make_grid(Grid* g, const std::array<int, 3>& cells, const Triple& spacing,
                const std::array<int, 3>& boundary, const std::array<double, 18>& wall_velocity, int threads) {
     double values = 1.0;
     for (int d = 0; d < 3; ++d) {
-        require(cells[d] >= 4 && spacing[d] > 0.0 && boundary[d] >= 0 && boundary[d] <= 2,
-                "grid: at least 4 cells, spacing > 0, boundary 0 to 2 a direction");
+        require(cells[d] >= 4 && spacing[d] > 0.0 && boundary[d] >= 0 && boundary[d] <= 4,
+                "grid: at least 4 cells, spacing > 0, boundary 0 to 4 a direction");
         require(cells[d] <= most_cells, "grid: at most 2^29 cells a direction");
         values *= cells[d] + 2.0;
     }

@@ -7,7 +7,8 @@ import pytest
 
 from rdpm.errors import CaseError, OutputError
 from rdpm.io.sphere_surface import sphere_surface
-from rdpm.io.vtkhdf import BodyWriter, FieldWriter, field_grid, field_times, read_fields, read_plane
+from rdpm.io.vtkhdf import FieldWriter, field_grid, field_times, read_fields, read_plane
+from rdpm.io.vtkhdf_bodies import BodyWriter
 
 CELLS, SPACING = (20, 5, 18), (0.1, 0.2, 0.3)   # more than one chunk along x and z
 

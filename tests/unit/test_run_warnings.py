@@ -62,14 +62,15 @@ def test_one_list_everywhere(tmp_path):
     ]
     assert len(set(told)) == len(told) >= 2
     # Before it started, and at its end.
-    assert any(re.match(r"overlap \S+ % d > 0.5 % \(at 30 cm/s\): stiffen", text) for text in told)
-    assert any(re.match(r"largest overlap \S+ % d > 0.5 % \(of the run\): stiffen", text) for text in told)
+    assert any(re.match(r"overlap \S+ % d > 0.5 % \(at 30 cm/s\): raise contact.stiffness", text) for text in told)
+    deepest = r"largest overlap \S+ % d > 0.5 % \(of the run\): raise contact.stiffness"
+    assert any(re.match(deepest, text) for text in told)
     details = read_summary(tmp_path / "run" / "summary.json").warning_details
     assert [str(detail) for detail in details] == told
     first = next(detail for detail in details if detail.quantity == "overlap")
     assert (first.sign, first.limit, first.condition) == (">", "0.5 %", "at 30 cm/s")
     assert first.value.endswith("% d")
-    assert first.cure.startswith("stiffen")
+    assert first.cure == "raise contact.stiffness"
 
 
 def test_overlaps_beyond_the_design_are_named():

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rdpm import _core
-from rdpm.conventions import FACES
+from rdpm.conventions import partner_name
 from rdpm.errors import OverlapError
 
 from .driver import ContactStep, ContactTask
@@ -86,7 +86,7 @@ class SubstepDriver:
 def pair_names(ids: NDArray[np.int32]) -> tuple[int, str]:
     """The first of a pair, and the second in words."""
     i, j = ids.tolist()
-    return i, f"the face {FACES[-1 - j]}" if j < 0 else f"body {j}"
+    return i, partner_name(j)
 
 
 def _overlap_error(task: ContactTask, pair: int, time: float) -> OverlapError:
@@ -98,5 +98,5 @@ def _overlap_error(task: ContactTask, pair: int, time: float) -> OverlapError:
         f"{100.0 * fraction:.3g} % of the diameter",
         f"must stay below contact.overlap_limit = {100.0 * task.overlap_limit:g} %",
         f"they met at {state['impact_speed']:.3g} m/s and the contact is too soft for that",
-        "Stiffen it: lower contact.contact_steps or time.step, or give a higher stiffness.",
+        "Stiffen it: raise the stiffness of its model, or lower contact.contact_steps or time.step where it has none.",
     )

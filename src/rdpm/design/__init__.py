@@ -6,6 +6,8 @@ Pure functions in SI units; nothing here runs a simulation. Theory: docs/theory/
 from __future__ import annotations
 
 from rdpm.design import front_door
+from rdpm.design.adaptive import adaptive_collision, adaptive_overlap, adaptive_stiffness
+from rdpm.design.adaptive_design import AdaptiveDesign, adaptive_design
 from rdpm.design.dimensionless import (
     added_mass,
     legendre,
@@ -16,6 +18,7 @@ from rdpm.design.dimensionless import (
     wet_restitution,
 )
 from rdpm.design.hard_sphere import FiniteContact, finite_contact_error
+from rdpm.design.hard_sphere_design import COMPARED_STEPS, HardSphereDesign, hard_sphere_design
 from rdpm.design.hertz import (
     effective_modulus,
     hertz_contact_time,
@@ -71,12 +74,19 @@ from rdpm.design.tangential import sliding_ratio
 soft_sphere = front_door.soft_sphere
 
 __all__ = [
+    "COMPARED_STEPS",
+    "AdaptiveDesign",
     "Design",
     "FiniteContact",
+    "HardSphereDesign",
     "HertzDesign",
     "RepulsiveDesign",
     "Verdict",
     "achieved_restitution",
+    "adaptive_collision",
+    "adaptive_design",
+    "adaptive_overlap",
+    "adaptive_stiffness",
     "added_mass",
     "closest_gap",
     "contact_parameters",
@@ -88,6 +98,7 @@ __all__ = [
     "effective_modulus",
     "effective_shear_modulus",
     "finite_contact_error",
+    "hard_sphere_design",
     "hertz_contact_time",
     "hertz_damping",
     "hertz_design",

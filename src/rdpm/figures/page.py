@@ -8,8 +8,8 @@ from html import escape
 from pathlib import Path
 
 __all__ = [
-    "code", "document", "folded", "heading", "note_list", "paragraph", "picture", "row", "section", "table", "video",
-    "video_beside",
+    "code", "document", "folded", "heading", "note_list", "pairs", "paragraph", "picture", "row", "section", "table",
+    "video", "video_beside",
 ]  # fmt: skip
 
 _LOOK = """
@@ -33,8 +33,9 @@ thead th { color: var(--soft); font-weight: 600; font-size: 0.9rem; } tbody th {
 figure { margin: 1.2rem 0; } figure img, figure video { display: block; max-width: 100%; height: auto;
   margin: 0 auto 0.4rem; border-radius: 6px; background: #fff; border: 1px solid var(--line); }
 figure video { max-height: 88vh; }
+.pairs { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); gap: 1.2rem;
+  align-items: start; } .pairs figure { margin: 0; }
 .row { display: flex; flex-wrap: wrap; gap: 1rem; } .row figure { flex: 1 1 14rem; margin: 0; }
- figure img.tall { max-height: 80vh; }
 .warnings { background: var(--warn); border-radius: 6px; padding: 0.6rem 1rem 0.6rem 2rem; }
 details { margin: 0.8rem 0; } pre { overflow-x: auto; background: var(--card); border: 1px solid var(--line);
   border-radius: 6px; padding: 0.8rem; font-size: 0.85rem; }
@@ -132,11 +133,24 @@ def folded(title: str, text: str) -> str:
     return f"<details><summary>{escape(title)}</summary><pre>{escape(text)}</pre></details>"
 
 
-def picture(path: Path, caption: str, tall: bool = False) -> str:
-    """A PNG file inside the page, with its caption; a tall one is kept within the window's height."""
-    look = ' class="tall"' if tall else ""
+def picture(path: Path, caption: str) -> str:
+    """A PNG file inside the page, with its caption; one for print is shown at 1.6 times its size on paper."""
+    width, inches = _png_width(path)
+    look = f' style="width: {min(width, round(150 * inches))}px"' if inches else ""
     image = f'<img{look} alt="{escape(caption)}" src="data:image/png;base64,{_embedded(path)}">'
     return f"<figure>{image}<figcaption>{escape(caption)}</figcaption></figure>"
+
+
+def _png_width(path: Path) -> tuple[int, float]:
+    """Pixels across, and inches on paper; 0 where the file does not say."""
+    with path.open("rb") as file:
+        head = file.read(256)
+    pixels = int.from_bytes(head[16:20], "big")
+    at = head.find(b"pHYs")
+    if at < 0:
+        return pixels, 0.0
+    a_metre = int.from_bytes(head[at + 4 : at + 8], "big")
+    return pixels, pixels / (0.0254 * a_metre) if a_metre else 0.0
 
 
 def video(path: Path, caption: str) -> str:
@@ -166,6 +180,17 @@ def row(parts: Sequence[str]) -> str:
     ''
     """
     return f'<div class="row">{"".join(parts)}</div>' if parts else ""
+
+
+def pairs(parts: Sequence[str]) -> str:
+    """Figures two beside each other, one on a narrow screen; nothing where there is none.
+
+    Examples
+    --------
+    >>> pairs([])
+    ''
+    """
+    return f'<div class="pairs">{"".join(parts)}</div>' if parts else ""
 
 
 def code(text: str) -> str:

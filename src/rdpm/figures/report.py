@@ -2,37 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from rdpm.errors import OutputError
-from rdpm.figures import page, plots
+from rdpm.figures import page, run_charts
 from rdpm.figures.bodies_3d import finish_rendering, start_rendering
-from rdpm.figures.flow import Slices, load_slices, plot_flow
+from rdpm.figures.contact_chart import contact_chart
+from rdpm.figures.contact_tables import contact_parts, number_text, range_text
+from rdpm.figures.flow import Slices, flow_chart, load_slices
+from rdpm.figures.paths import trajectory_chart
 from rdpm.figures.plane import Plane, viewing_plane
-from rdpm.figures.style import case_text
+from rdpm.figures.style import case_text, save
 from rdpm.figures.video import Scene, make_video
 from rdpm.io.files import replacing
-from rdpm.results.contacts import LEAST_STOKES, MOST_CONTACT_TIMES
 from rdpm.results.dkt import KISS_GAP, TUMBLE_ANGLE
 from rdpm.results.run import Run, load_run
-from rdpm.results.summary import ContactDesign, PairDesign, Summary
+from rdpm.results.summary import Summary
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["make_report"]
 
-_PRESSED = (
-    f"A contact is pressed where a flow or a load holds the bodies together: its Stokes number is below "
-    f"{LEAST_STOKES:g}, or it lasts longer than {MOST_CONTACT_TIMES:g} contact times. It is no impact: it has no "
-    "restitution, and its time and steps have no target."
-)
-_DRY = "The target restitution is that of a dry contact; in a fluid it falls with the Stokes number."
-
+FigureFormat = Literal["png", "pdf", "svg"]
 
 def make_report(
-    folder: str | Path, *, video: bool = True, progress: Callable[[str], None] | None = None
+    folder: str | Path,
+    *,
+    video: bool = True,
+    figure_format: FigureFormat | None = None,
+    progress: Callable[[str], None] | None = None,
 ) -> list[Path]:
     """Make ``figures/*.png``, ``video.mp4`` and ``report.html`` of a run's folder, anew each time.
 
@@ -45,6 +48,9 @@ def make_report(
         Of a run: with ``case.toml`` and ``summary.json`` at least.
     video : bool
         Whether to make the video, which takes longest.
+    figure_format : {"png", "pdf", "svg"}, optional
+        Beside the PNG files, which the page holds, the charts are written in this format for print; that of the case
+        (``output.figure_format``) when left out.
     progress : callable, optional
         Told in a line what is being made.
 
@@ -62,7 +68,7 @@ def make_report(
     """
     say = progress or (lambda _: None)
     run = load_run(folder)
-    plane = viewing_plane(run.tracks, run.box, run.gravity)
+    plane = viewing_plane(run.tracks, run.box, run.gravity, run.period, run.walls)
     figures = run.folder.figures
     try:
         figures.mkdir(exist_ok=True)
@@ -71,10 +77,16 @@ def make_report(
     has_bodies = run.tracks is not None and run.tracks.count > 0
     still = figures / "bodies_3d.png"
     renderer = start_rendering(run.folder.path, still) if has_bodies else None   # meanwhile the charts are drawn
+    kinds = dict.fromkeys(("png", figure_format or run.case.get("output", {}).get("figure_format", "png")))
     try:
         say("figures")
         slices = _moving(load_slices(run.fields, plane)) if run.fields else None
-        drawn, shown = _draw(run, plane, slices), None
+        drawn, extra, shown = [], [], None
+        about = case_text(run.title, run.case, run.summary, run.diameter)
+        for name, caption, figure in _charts(run, plane, slices):
+            for kind in kinds:
+                path = save(figure, figures / f"{name}.{kind}", f"{about}. {caption}")
+                (drawn.append((path, caption)) if kind == "png" else extra.append(path))
         if video:
             say("video")
             shown = _video(run, plane, slices, say)
@@ -86,51 +98,46 @@ def make_report(
         drawn.append((still, "Bodies and their paths; the latest time is the strongest."))
     say("report.html")
     _page(run, drawn, shown)
-    return [path for path, _ in drawn] + ([shown] if shown else []) + [run.folder.report]
+    return [path for path, _ in drawn] + extra + ([shown] if shown else []) + [run.folder.report]
 
 
-def _draw(run: Run, plane: Plane, slices: Slices | None) -> list[tuple[Path, str]]:
-    """Draw what the folder has data for: files and captions."""
-    about = case_text(run.title, run.case, run.summary, run.diameter)
-    drawn = []
-    tracks, figures = run.tracks, run.folder.figures
+def _charts(run: Run, plane: Plane, slices: Slices | None) -> Iterator[tuple[str, str, Figure]]:
+    """Draw what the folder has data for: name, caption and figure."""
+    tracks = run.tracks
     if slices is not None:
-        path = figures / "flow.png"
         at = _telling_times(run)
-        plot_flow(path, slices, tracks, run.diameter, run.box, run.period, plane, about, at)
-        drawn.append((path, "Speed of the fluid (colour) and velocity in the plane (arrows) at a few times."))
+        chart = flow_chart(slices, tracks, run.diameter, run.box, run.period, plane, run.gravity, at)
+        where = f"Plane {'xyz'[plane.normal]} = {1e3 * plane.position:.4g} mm"
+        near = "; spheres it cuts are filled, those within half a diameter of it dotted" if tracks is not None else ""
+        yield "flow", f"{where}{near}.", chart
     if tracks is not None and tracks.count:
-        path = figures / "settling_velocity.png"
-        plots.plot_velocity(path, tracks, run.gravity, about, run.phases)
-        drawn.append((path, "Velocity along gravity against time."))
-        path = plots.plot_trajectory(
-            figures / "trajectory.png", tracks, run.diameter, run.box, plane, about
-        )
-        drawn.append((path, "Paths, with the bodies to scale at a few times, and coordinates against time."))
+        chart = run_charts.velocity_chart(tracks, run.gravity, run.phases)
+        yield "settling_velocity", "Velocity along gravity." if run.gravity.any() else "Velocity along -z.", chart
+        chart = trajectory_chart(tracks, run.diameter, run.box, run.period, plane, run.gravity)
+        yield "trajectory", "Spheres to scale at a few times, the latest the strongest.", chart
+        beyond = " Continued beyond the box where it is periodic." if run.periodic.any() else ""
+        yield "positions", f"Centres.{beyond}", run_charts.positions_chart(tracks, run.box, run.period)
         if tracks.count == 2 or np.isfinite(tracks.gap).any():
-            path = plots.plot_gap(figures / "gap.png", tracks, run.diameter, about, run.phases, run.period)
-            drawn.append((path, "Gap in % of the diameter; logarithmic above 2 %, linear below."))
+            chart = run_charts.gap_chart(tracks, run.diameter, run.phases, run.period)
+            yield "gap", "Logarithmic above 2 % of the diameter, linear below.", chart
         if tracks.count == 2 and run.gravity.any():
-            path = figures / "angle.png"
-            plots.plot_angle(path, tracks, run.gravity, about, run.phases, run.period)
-            drawn.append((path, "Angle between the line of centres and gravity."))
+            chart = run_charts.angle_chart(tracks, run.gravity, run.phases, run.period)
+            yield "angle", "Angle between the line of centres and gravity.", chart
     if run.contacts is not None:
-        target = run.summary.contact.restitution
-        impacts = run.contacts | {"restitution": np.where(run.pressed, np.nan, run.contacts["restitution"])}
-        path = plots.plot_contacts(figures / "contacts.png", impacts, target, about)
-        drawn.append((path, f"Each contact from touch to end. {_DRY}"))
+        chart = contact_chart(run.contacts, run.pressed, run.summary.contact)
+        yield "contacts", "Each contact from touch to end.", chart
     if run.history is not None:
-        path = plots.plot_history(figures / "history.png", run.history, about)
-        drawn.append((path, "Energies, CFL number, divergence, slip and overlap: the health of the run."))
-    return drawn
+        chart = run_charts.history_chart(run.history, tracks)
+        yield "history", "Energies, CFL number, divergence, slip and overlap.", chart
 
 
 def _telling_times(run: Run) -> list[float] | None:
-    """Drafting, kiss, turning, tumble and end of a pair that does all that."""
+    """Drafting, kiss, turning, tumble, and two later times of a pair that does all that."""
     kiss, tumble = (run.phases.kiss_time_s, run.phases.tumble_time_s) if run.phases else (None, None)
     if kiss is None or tumble is None or run.tracks is None:
         return None
-    return [0.6 * kiss, kiss, 0.5 * (kiss + tumble), tumble, float(run.tracks.times[-1])]
+    end = float(run.tracks.times[-1])
+    return [0.6 * kiss, kiss, 0.5 * (kiss + tumble), tumble, 0.5 * (tumble + end), end]
 
 
 def _moving(slices: Slices) -> Slices | None:
@@ -152,8 +159,8 @@ def _video(run: Run, plane: Plane, slices: Slices | None, say: Callable[[str], N
 
 
 def _page(run: Run, drawn: Sequence[tuple[Path, str]], video: Path | None) -> None:
-    pictures = {path.name: page.picture(path, text, tall=path.stem == "bodies_3d") for path, text in drawn}
-    shown = [pictures.pop(name) for name in ("flow.png",) if name in pictures]
+    pictures = {path.name: page.picture(path, text) for path, text in drawn}
+    shown = [pictures.pop(name) for name in ("flow.png", "trajectory.png") if name in pictures]
     if video is not None:
         shown.insert(0, page.video(video, "The run: flow in a vertical plane, and the turning spheres."))
     parts = [
@@ -161,11 +168,11 @@ def _page(run: Run, drawn: Sequence[tuple[Path, str]], video: Path | None) -> No
         page.heading(run.title),
         page.paragraph(case_text("", run.case, run.summary, run.diameter)),
         page.note_list(run.summary.warnings),
-        page.section("What it shows", shown),
+        page.section("What it shows", [page.pairs(shown)]),
         page.section("Drafting, kissing, tumbling", [page.table(_phase_rows(run))]),
         page.section("Key numbers", [page.table(_key_rows(run))]),
-        page.section("Contacts", _contact_parts(run)),
-        page.section("Figures", list(pictures.values())),
+        page.section("Contacts", contact_parts(run)),
+        page.section("Figures", [page.pairs(list(pictures.values()))]),
         page.section("Where it comes from", [page.table(_origin_rows(run)), _case_file(run)]),
     ]
     with replacing(run.folder.report) as temporary:
@@ -176,37 +183,17 @@ def _case_file(run: Run) -> str:
     return page.folded("case.toml", run.folder.case.read_text(encoding="utf-8"))
 
 
-def _text(value: Any, unit: str = "", factor: float = 1.0) -> str:
-    if value is None:
-        return "–"
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return str(value)
-    is_count = isinstance(value, int) and factor == 1.0
-    number = f"{value:,}".replace(",", " ") if is_count else f"{factor * value:.4g}"
-    return f"{number} {unit}".rstrip()
-
-
-def _range(values: Any, unit: str = "", factor: float = 1.0) -> str:
-    """One value, or the smallest to the largest of those that are known."""
-    known = np.array([v for v in values if v is not None], np.float64)
-    known = factor * known[np.isfinite(known)]
-    if known.size == 0:
-        return "–"
-    low, high = f"{known.min():.3g}", f"{known.max():.3g}"
-    return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
-
-
 def _phase_rows(run: Run) -> list[tuple[str, str]]:
     found = run.summary.dkt or run.phases
     if found is None:
         return []
     return [
-        ("drafting begins", _text(found.drafting_time_s, "s")),
-        (f"first kiss (gap of {100 * KISS_GAP:g} % d)", _text(found.kiss_time_s, "s")),
-        ("kisses", _text(found.kisses)),
-        ("kissing in all", _text(found.kiss_duration_s, "s")),
-        (f"tumbling ({TUMBLE_ANGLE:g}° passed)", _text(found.tumble_time_s, "s")),
-        ("line of centres at the end", _text(found.final_angle_deg, "° from gravity")),
+        ("drafting begins", number_text(found.drafting_time_s, "s")),
+        (f"first kiss (gap of {100 * KISS_GAP:g} % d)", number_text(found.kiss_time_s, "s")),
+        ("kisses", number_text(found.kisses)),
+        ("kissing in all", number_text(found.kiss_duration_s, "s")),
+        (f"tumbling ({TUMBLE_ANGLE:g}° passed)", number_text(found.tumble_time_s, "s")),
+        ("line of centres at the end", number_text(found.final_angle_deg, "° from gravity")),
     ]
 
 
@@ -221,24 +208,24 @@ def _key_rows(run: Run) -> list[tuple[str, str]]:
     limit = f", set by the {s.dt_limit} limit" if s.dt_limit else ""
     speeds = [body.max_speed_m_s for body in s.bodies]
     rows = [
-        ("status", _text(s.status)),
-        ("simulated time", _text(s.time_s, "s")),
-        ("time step", _text(s.dt_s, "ms", 1e3) + limit),
-        ("longest time step", _text(_longest(s), "ms", 1e3)),
-        ("steps", _text(s.steps)),
-        ("greatest speed of a body", _range(speeds, "m/s")),
-        ("Reynolds number at it", _range(_reynolds(run, speeds))),
-        ("largest divergence", _text(s.max_divergence, "1/s")),
-        ("wall time", _text(s.wall_s, "s")),
-        ("cost of a cell and step", _text(s.ns_per_cell_step, "ns")),
-        ("threads", _text(s.threads)),
-        ("peak memory", _text(s.peak_memory_bytes, "MB", 1e-6)),
+        ("status", number_text(s.status)),
+        ("simulated time", number_text(s.time_s, "s")),
+        ("time step", number_text(s.dt_s, "ms", 1e3) + limit),
+        ("longest time step", number_text(_longest(s), "ms", 1e3)),
+        ("steps", number_text(s.steps)),
+        ("greatest speed of a body", range_text(speeds, "m/s")),
+        ("Reynolds number at it", range_text(_reynolds(run, speeds))),
+        ("largest divergence", number_text(s.max_divergence, "1/s")),
+        ("wall time", number_text(s.wall_s, "s")),
+        ("cost of a cell and step", number_text(s.ns_per_cell_step, "ns")),
+        ("threads", number_text(s.threads)),
+        ("peak memory", number_text(s.peak_memory_bytes, "MB", 1e-6)),
     ]
     if s.cells:
         count = f"{int(np.prod(s.cells)):,}".replace(",", " ")
         spacing = " × ".join(f"{1e3 * d:.4g}" for d in s.spacing_m or ())
         rows.insert(1, ("grid", f"{' × '.join(map(str, s.cells))} = {count} cells of {spacing} mm"))
-        rows.insert(2, ("cells a diameter", _text(s.cells_per_diameter)))
+        rows.insert(2, ("cells a diameter", number_text(s.cells_per_diameter)))
     return [(name, value) for name, value in rows if not value.startswith("–")]
 
 
@@ -252,56 +239,6 @@ def _reynolds(run: Run, speeds: Sequence[float | None]) -> list[float]:
     return [u * d / nu for u, d in zip(speeds, run.diameter, strict=True) if u is not None]
 
 
-def _contact_parts(run: Run) -> list[str]:
-    """What was designed beside what was achieved, a table for each kind of contact."""
-    design, rows = run.summary.contact, run.contacts
-    kinds = {pair.kind for pair in design.pairs}
-    kinds |= set(rows["kind"].tolist()) if rows else set()
-    parts = []
-    if design.model:
-        law = f"{design.model}, ending at {str(design.ending).replace('-', ' ')}"
-        parts.append(page.paragraph(f"Law: {law}. {_DRY if run.case.get('fluid') else ''}"))
-    for kind in sorted(kinds):
-        pairs = [pair for pair in design.pairs if pair.kind == kind]
-        found = {name: column[rows["kind"] == kind] for name, column in rows.items()} if rows else {}
-        if rows:
-            found["pressed"] = run.pressed[rows["kind"] == kind]
-        parts.append(page.section(kind, [_contact_table(design, pairs, found)], level=3))
-    return parts
-
-
-def _contact_table(design: ContactDesign, pairs: Sequence[PairDesign], found: dict[str, Any]) -> str:
-    pressed = found["pressed"] if found else np.zeros(0, bool)
-    impacts = {name: column[~pressed] for name, column in found.items()}
-
-    def achieved(name: str, unit: str = "", factor: float = 1.0) -> str:
-        return _range(impacts.get(name, []), unit, factor)
-
-    expected = _range([pair.max_overlap_fraction for pair in pairs], "% d", 100.0)
-    overlaps = [] if expected == "–" else [f"{expected} in a dry impact at the bodies' own speed"]
-    if design.overlap_warning is not None:
-        overlaps.append(f"warned of above {100 * design.overlap_warning:.3g} % d")
-    duration, steps = ([*found.get(name, [])] for name in ("duration_s", "steps"))
-    lines = [
-        ("impacts", "", str(int((~pressed).sum()))),
-        ("restitution", _text(design.restitution), achieved("restitution")),
-        ("contact time", _text(design.contact_time_s, "ms", 1e3), achieved("duration_s", "ms", 1e3)),
-        ("steps in a contact", _text(design.contact_steps), achieved("steps")),
-        ("pressed contacts", "", str(int(pressed.sum())) if pressed.any() else ""),
-        ("time of a pressed contact", "", _range(np.array(duration)[pressed], "s") if pressed.any() else ""),
-        ("steps of a pressed contact", "", _range(np.array(steps)[pressed]) if pressed.any() else ""),
-        ("largest overlap", "; ".join(overlaps), _range(found.get("max_overlap_fraction", []), "% d", 100.0)),
-        ("impact speed", "", _range(found.get("impact_speed_m_s", []), "m/s")),
-        ("Stokes number", "", _range(found.get("stokes_number", []))),
-        ("work of the contact force", "≤ 0", _range(found.get("work_J", []), "J")),
-        ("stiffness k_n", _range([pair.stiffness_N_m for pair in pairs], "N/m"), ""),
-        ("damping η_n", _range([pair.damping_N_s_m for pair in pairs], "N s/m"), ""),
-        ("reduced mass", _range([pair.reduced_mass_kg for pair in pairs], "kg"), ""),
-    ]
-    note = page.paragraph(_PRESSED, soft=True) if pressed.any() else ""
-    return page.table([line for line in lines if set(line[1:]) - {"", "–"}], ("", "target", "achieved")) + note
-
-
 def _origin_rows(run: Run) -> list[tuple[str, str]]:
     s = run.summary
     rows = (
@@ -313,4 +250,4 @@ def _origin_rows(run: Run) -> list[tuple[str, str]]:
         ("ranks", s.ranks),
         ("date utc", s.date_utc),
     )
-    return [(name, _text(value)) for name, value in rows if value is not None]
+    return [(name, number_text(value)) for name, value in rows if value is not None]

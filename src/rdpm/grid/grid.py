@@ -136,10 +136,15 @@ class Grid:
         return _core.Grid(
             list(self.cells),
             list(self.spacing),
-            [BOUNDARY_KINDS.index(kind) for kind in self.boundary],
+            [self._kernel_number(kind) for kind in self.boundary],
             self.box.wall_velocity.ravel().tolist(),
             self.threads,
         )
+
+    def _kernel_number(self, kind: BoundaryKind) -> int:
+        """Kinds as the kernels number them; of two numbers the greater one, where fluid enters at the upper face."""
+        is_down = self.box.inflow is not None and self.box.inflow.velocity < 0.0
+        return BOUNDARY_KINDS.index(kind) + (1 if kind == "inflow-outflow" and is_down else 0)
 
     def zeros(self) -> NDArray[np.float64]:
         """A field of zeros with its halo."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol
@@ -17,14 +17,20 @@ from rdpm.results.run_folder import RunFolder
 from rdpm.results.summary import Summary, read_summary, write_summary
 from rdpm.results.warnings import RunWarning
 from rdpm.runs.checkpoints import Checkpoints, Saved, discard_later, load_newest, restore
+from rdpm.runs.record_tables import RecordTables
 from rdpm.runs.recorder import Recorder
 from rdpm.runs.restart import case_to_branch, case_to_continue
 from rdpm.runs.stopping import Interrupted, listening
 from rdpm.runs.summary import contact_design, summarise
 from rdpm.runs.warnings import crowded, planned
 from rdpm.setup import Plan, Simulation
+from rdpm.setup.build import interval_of
+from rdpm.simulation.record import Record
 
-__all__ = ["Reporter", "run_case"]
+__all__ = ["OwnRecord", "Reporter", "run_case"]
+
+#: A function of the simulation, alone or with how often it is asked: seconds, or text with a unit.
+OwnRecord = Callable[[Simulation], Any] | tuple[Callable[[Simulation], Any], float | str]
 
 
 class Reporter(Protocol):
@@ -53,6 +59,7 @@ def run_case(
     start: tuple[Path, float | None] | None = None,
     within: float | None = None,
     on_step: Callable[[Simulation], None] | None = None,
+    record: Mapping[str, OwnRecord] | None = None,
 ) -> Summary:
     """Run a case to its end; write its tables, fields, checkpoints, summary and report into a folder.
 
@@ -72,6 +79,10 @@ def run_case(
         How long before that time the checkpoint may be; 1 % of the time when left out.
     on_step : callable, optional
         Called after every step with the simulation, before the step's rows are written.
+    record : mapping of str to callable, or to (callable, float or str), optional
+        Own tables by name, each written to ``records/NAME.csv``: a function of the simulation, and how often (as often
+        as the tables where it is not said); see `rdpm.simulation.record.Record` for what it may give. Checkpoints hold
+        no functions: to continue a table, give its function again with `resume`.
 
     Returns
     -------
@@ -92,7 +103,9 @@ def run_case(
         teller = _Teller(files.log, reporter)
         case, saved, summary = _start(case, files, teller, resume, start, within)
         if summary is None:
-            summary = _Run(case, files, threads, teller, saved, resume and saved is not None, on_step).to_end()
+            summary = _Run(
+                case, files, threads, teller, saved, resume and saved is not None, on_step, record or {}
+            ).to_end()
         if summary.status == "done" and case.output.report and not _is_reported(files):
             _report(files, case.output.video, teller)
         return summary
@@ -125,6 +138,7 @@ def _is_untouched(files: RunFolder) -> bool:
         return False
     # The first checkpoint is written before the first step: what is there without one holds no result.
     first = {files.case, files.log, files.lock, files.checkpoints, files.fields, files.bodies, *files.tables}
+    first |= {files.walls, files.points, files.lines, files.records, *files.plane_files}
     if all(path in first or path.name.startswith(".") for path in files.path.iterdir()):
         return True
     raise CheckpointError(
@@ -198,12 +212,18 @@ class _Teller:
         self.tell("update", step, time, end)
 
 
+def _own_record(simulation: Simulation, name: str, given: OwnRecord) -> Record:
+    function, every = given if isinstance(given, tuple) and len(given) == 2 else (given, None)
+    return Record(name, function, simulation.asked(interval_of(name, every, simulation.case)))
+
+
 class _Run:
     """One run from its start, or from a checkpoint, to its end."""
 
     def __init__(
         self, case: Case, files: RunFolder, threads: int | None, teller: _Teller, saved: Saved | None, is_same: bool,
-        on_step: Callable[[Simulation], None] | None = None,
+        on_step: Callable[[Simulation], None] | None,
+        record: Mapping[str, OwnRecord],
     ) -> None:
         self.case, self.files, self.teller = case, files, teller
         self.saved, self.is_same = saved, is_same
@@ -214,6 +234,9 @@ class _Run:
             simulation.on_step(lambda _: on_step(simulation))
         if saved is not None:
             restore(self.simulation, saved, is_same)
+        own = [(_own_record(simulation, name, given), files.record(name)) for name, given in record.items()]
+        self.records = RecordTables(simulation, own)
+        if saved is not None:
             teller.note(f"{'continued' if is_same else 'started'} from {saved.path}, t = {saved.time:.6g} s")
 
     def to_end(self) -> Summary:
@@ -231,8 +254,7 @@ class _Run:
         output = case.output
         resumed = (saved.part("recorder"), saved.facts["recorder"]) if saved is not None and self.is_same else None
         with Recorder(
-            simulation, files, output.table_every or 0.0, output.fields_every or 0.0, resumed, self.teller.warn,
-            contact_design(simulation).contact_times, output.fields_tolerance,
+            simulation, files, output, resumed, self.teller.warn, contact_design(simulation), self.records,
         ) as recorder:
             every = output.checkpoint_every or 0.0
             checkpoints = Checkpoints(simulation, recorder, files, text, every, output.checkpoints_kept)

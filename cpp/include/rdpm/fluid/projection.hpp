@@ -127,7 +127,7 @@ class Projection {
         const std::size_t bytes = g_.plane() * sizeof(double);
         if (g_.boundary[2] == periodic) {
             std::memcpy(w, w + g_.nz() * g_.plane(), bytes);
-        } else {
+        } else if (!g_.is_open(2)) {
             std::memset(w, 0, bytes);
             std::memset(w + g_.nz() * g_.plane(), 0, bytes);
         }
@@ -140,13 +140,15 @@ class Projection {
         const std::size_t row = g_.row(), base = k * g_.plane();
         double *u = q_.u + base, *v = q_.v + base;
         const double *w = q_.w + base, *below = w - g_.plane();
-        for (int j = 1; j <= ny; ++j) {
+        for (int j = 1; j <= ny && !g_.is_open(0); ++j) {
             double* r = u + j * row;
             if (g_.boundary[0] != periodic) r[nx] = 0.0;
             r[0] = r[nx];
         }
-        if (g_.boundary[1] != periodic) std::fill(v + ny * row, v + ny * row + row, 0.0);
-        std::memcpy(v, v + ny * row, row * sizeof(double));
+        if (!g_.is_open(1)) {
+            if (g_.boundary[1] != periodic) std::fill(v + ny * row, v + ny * row + row, 0.0);
+            std::memcpy(v, v + ny * row, row * sizeof(double));
+        }
         const double dz = g_.spacing[2], factor = -dz * dz / dt_ * transform_.normalisation();
         const double ix = factor / g_.spacing[0], iy = factor / g_.spacing[1], iz = factor / dz;
         for (int j = 1; j <= ny; ++j) {
