@@ -10,11 +10,8 @@ from rdpm.io.sphere_surface import surface_level
 
 __all__ = ["FieldsDisk", "bodies_disk", "fields_disk"]
 
-#: Velocity and pressure of a cell in single precision [bytes].
-CELL = 16
-
-#: Values of a cell.
-VALUES = 4
+#: A value in single precision [bytes].
+VALUE = 4
 
 #: Part of the largest size that rounded fields take where most of the fluid is hardly disturbed.
 QUIET = 0.25
@@ -80,10 +77,11 @@ def fields_disk(case: Case, cells: tuple[int, int, int] | None, steps: int, star
     if cells is None or not every:
         return None
     count = min(math.floor((case.time.end - start) / every * (1.0 + 1e-9)), steps) + 1
-    values = count * math.prod(cells)
+    each = 4 + (3 if case.output.vorticity else 0) + (1 if case.output.q_criterion else 0)
+    values = count * each * math.prod(cells)
     if tolerance == 0.0:
-        return FieldsDisk(count, CELL * values, CELL * values)
-    most = min(VALUES * math.log2(1.0 / tolerance) / 8.0, CELL) * values
+        return FieldsDisk(count, VALUE * values, VALUE * values)
+    most = min(math.log2(1.0 / tolerance) / 8.0, VALUE) * values
     return FieldsDisk(count, int(QUIET * most), int(most))
 
 
