@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -86,6 +87,8 @@ def draw_restitution(results: StudyResults, folder: Path) -> list[Picture]:
     ]
     overdamped = int(np.isnan(wanted).sum())
     caption = sweep.about(sweep.runs()[0])
+    if sweep.key == "fluid.viscosity":
+        caption += " Viscosity varied."
     if overdamped:
         caption += f" {overdamped} of {len(x)} runs have no designed restitution: their contact is overdamped."
     path = chart(
@@ -199,7 +202,7 @@ def draw_videos(results: StudyResults, folder: Path) -> list[Picture]:
         own = results.run_folder(str(row["run"]), str(row["study"]))
         start = by_name.get(starts[own].start)
         flow = load_flow(own, results.folder.work(start).path if start else None)
-        plane = flow[0] if flow else viewing_plane(run.tracks, run.box, run.gravity, run.period, run.walls)
+        plane = replace(flow[0], walls=run.walls) if flow else viewing_plane(run.tracks, run.box, run.gravity, run.period, run.walls)
         title = (f"{parameter(sweep.key).plain} = {row[sweep.key]:g} {parameter(sweep.key).unit}" if sweep.key
                  else str(row["run"]))  # fmt: skip
         scenes.append(Scene(title, run.box, run.period, plane, run.diameter, run.tracks, flow[1] if flow else None))
