@@ -32,7 +32,8 @@ def keep_plane(files: RunFolder) -> None:
     with replacing(files.path / _NAME) as temporary, open(temporary, "wb") as file:
         np.savez_compressed(
             file, plane=np.array([plane.across, plane.up, plane.normal, plane.position]), times=slices.times,
-            across=slices.across.astype(np.float16), up=slices.up.astype(np.float16), speed=slices.speed.astype(np.float16),
+            across=slices.across.astype(np.float16), up=slices.up.astype(np.float16),
+            speed=slices.speed.astype(np.float16),
         )  # fmt: skip
 
 
