@@ -131,7 +131,7 @@ def draw_wet_restitution(results: StudyResults, folder: Path) -> list[Picture]:
         Curve("Legendre et al. 2005", line, np.asarray(design.legendre(target, line)), PALETTE[1]),
     ]
     if (seen & bare).any():
-        label = "without, film lost to the grid"
+        label = "without: the grid alone"
         curves.insert(1, Curve(label, stokes[seen & bare], wet[seen & bare], PALETTE[2], "points"))
     limits = ((dry, "dry, simulated"),) if dry is not None else ()
     wet_run = sweep.runs()[int(np.flatnonzero(seen)[0])]

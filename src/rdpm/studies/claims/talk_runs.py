@@ -85,7 +85,7 @@ RUN_CLAIMS = (
     Claim("dry-for-wet-in-a-rebound", "Dry collisions approximate collisions in a viscous fluid: a rebound from a wall "
           "keeps nine tenths of the dry restitution.", "Soft sphere collision parameters N_c and e_n",
           Limit("wet_restitution", 0.9 * DRY_RESTITUTION, False, "approach_stokes_number"),
-          "Near a Stokes number of 10 the film takes the whole impact (Gondret et al. 2002); at 1000 the fluid that "
+          "Near a Stokes number of 10 lubrication takes the whole impact (Gondret et al. 2002); at 1000 the fluid that "
           "moves with the sphere still takes a tenth, in a contact of eight steps.", {LUBRICATION: True}),
     Claim("dry-for-wet-by-lubrication", "Dry collisions approximate collisions in a viscous fluid: lubrication changes "
           "nothing.", "Soft sphere collision parameters N_c and e_n",
