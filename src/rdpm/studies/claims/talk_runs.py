@@ -68,8 +68,9 @@ RUN_CLAIMS = (
           "The pair is pressed together, hardly thrown: both models keep it apart, and the flow does the rest.",
           {LUBRICATION: False}),
     Claim("small-steps-as-hard-sphere-in-a-rebound", "For small N_c the scheme approaches a hard sphere: an impact.",
-          _STEPS_SLIDE, Approaches(("wet_restitution", "rebound_height_m"), STEPS, {MODEL: "hard-sphere"}),
-          "A contact of N_c steps lets the fluid act on the sphere for as long; a hard sphere turns round at once.",
+          _STEPS_SLIDE, Approaches(("wet_restitution",), STEPS, {MODEL: "hard-sphere"}),
+          "A hard sphere turns round within one time step, and must turn the fluid about it in the same step; a soft "
+          "contact turns both over its N_c steps.",
           {LUBRICATION: False}),
     Claim("models-alike", "The choice of the contact model leaves the kiss and the tumble alone.", _MODELS_SLIDE,
           Alike(_HARD_MOTION), "A contact keeps the pair apart, at its own distance; the flow turns it.",
