@@ -18,7 +18,6 @@ from rdpm.figures.video import Scene, make_video, side_by_side
 from rdpm.results.run_folder import RunFolder
 from rdpm.studies.claims.talk_design import DIAMETER, TALK_MASS, TIME_STEP
 from rdpm.studies.kept_flow import load_flow
-from rdpm.studies.measures import QUANTITIES
 from rdpm.studies.names import parameter
 from rdpm.studies.pictures import Picture, Sweep, spread_rows, sweep_of
 from rdpm.studies.results import StudyResults
@@ -148,10 +147,14 @@ def draw_convergence(results: StudyResults, folder: Path) -> list[Picture]:
     """Difference to the run with the smallest time step."""
     sweep = _swept(results)
     dt, panels = sweep.values, []
-    for n, quantity in enumerate(("end_height_m", "settling_speed_max_m_s", "end_gap_m")):
+    compared = {
+        "end_height_m": "height at the end", "settling_speed_max_m_s": "largest settling speed",
+        "end_gap_m": "gap at the end",
+    }  # fmt: skip
+    for n, (quantity, label) in enumerate(compared.items()):
         values = sweep.column(quantity)
         error = 100.0 * np.abs(values[1:] / values[0] - 1.0)
-        label, seen = QUANTITIES[quantity].meaning, np.where(error > 0, error, np.nan)
+        seen = np.where(error > 0, error, np.nan)
         panels.append(Curve(label, dt[1:], seen, PALETTE[n], "both"))
     base = float(np.nanmax([np.nanmax(np.asarray(curve.y)) for curve in panels]))
     for power, look in ((1, "dashed"), (2, "line")):
