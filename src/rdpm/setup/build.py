@@ -146,7 +146,8 @@ def _system(made: Plan, threads: int, calibration: Calibration) -> System:
     lubrication = None
     if case.contact.lubrication and len(bodies):
         h = float(np.cbrt(np.prod(grid.spacing)))
-        lubrication = lubrication_correction(fluid.mu, h, case.contact.lubrication_roughness, calibration)
+        separation = 1.0 if case.contact.lubrication_in_separation else 0.0
+        lubrication = lubrication_correction(fluid.mu, h, case.contact.lubrication_roughness, calibration, separation)
     contacts = _contacts(made, bodies, box, lubrication, calibration, threads)
     immersed = None
     if len(bodies) or box.walls:
@@ -168,7 +169,11 @@ def _bodies(case: Case) -> tuple[Bodies, Prescription]:
 
 
 def lubrication_correction(
-    viscosity: float, h: float, roughness: float = 1e-3, calibration: Calibration = CALIBRATION
+    viscosity: float,
+    h: float,
+    roughness: float = 1e-3,
+    calibration: Calibration = CALIBRATION,
+    separation: float = 1.0,
 ) -> Lubrication:
     """What the grid does not resolve of lubrication.
 
@@ -182,11 +187,13 @@ def lubrication_correction(
         Smallest gap over the smaller radius.
     calibration : Calibration
         Activation and resolved gaps in cells.
+    separation : float, [-]
+        Fraction of it where surfaces part.
     """
     c = calibration
     wall = c.wall_activation_gap * h, roughness, c.wall_resolved_gap * h
     pair = c.pair_activation_gap * h, c.pair_resolved_gap * h, c.pair_reference_radius * h
-    return Lubrication(viscosity, *wall, *pair)
+    return Lubrication(viscosity, *wall, *pair, separation)
 
 
 def _contacts(
