@@ -67,8 +67,8 @@ class NeighbourList:
     """Pairs within reach of each other, kept until bodies may have moved further than it allows for.
 
     The bodies are ranked by layer of cells along z, then by cell, then by position: the order of the pairs is that of
-    their bodies, whatever the ids. A layer is as thick as the largest diameter and the range of the list, so that a pair lies in
-    one layer or in two that touch.
+    their bodies, whatever the ids. A layer is as thick as the largest diameter and the range of the list, so that a
+    pair lies in one layer or in two that touch.
 
     Parameters
     ----------
