@@ -1,11 +1,12 @@
 """Speed of the page: how fast pages open, how fast the scene moves, what watching costs a run.
 
 ``python benchmarks/page.py`` needs chromium, the extra `test`, and an idle machine for its wall times; the cost of watching is in
-processor time, which other work disturbs less.
+processor time, which other work disturbs less. ``pages``, ``scene`` or ``watching`` alone may be named.
 """
 
 from __future__ import annotations
 
+import os
 import sys
 import tempfile
 import threading
@@ -55,8 +56,6 @@ step = "1 ms"
 def processor_seconds(process):
     """User and system time of a process."""
     fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
-    import os
-
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
@@ -65,7 +64,7 @@ def pages(folder):
     with serving(folder) as address, browsing(address) as (page, _):
         base = address.partition("/?")[0]
         for path in ("/design", "/cases", "/cases?shipped=dkt", "/runs"):
-            page.goto(base + path)   # the first time fills the browser's cache
+            page.goto(base + path)  # the first time fills the browser's cache
         for path in ("/design", "/cases", "/cases?shipped=dkt", "/runs"):
             begun = time.perf_counter()
             page.goto(base + path)
@@ -114,8 +113,6 @@ def scene(folder):
 
 def watching(folder):
     """Processor time of the page's server over that of the run it watches."""
-    import os
-
     (Path(folder) / "tank.toml").write_text(TANK)
     with serving(folder) as address, browsing(address) as (page, _):
         base = address.partition("/?")[0]
@@ -137,7 +134,7 @@ def watching(folder):
 
 
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as place:
-        pages(place)
-        scene(place)
-        watching(place)
+    parts = {"pages": pages, "scene": scene, "watching": watching}
+    for name in sys.argv[1:] or parts:
+        with tempfile.TemporaryDirectory() as place:
+            parts[name](place)
