@@ -41,6 +41,11 @@ def test_rounded_fields_keep_within_what_was_told(tmp_path):
     assert written(tmp_path, CHANGES) < disk.most + HEADER
 
 
+def test_more_quantities_take_more():
+    plain, more = told(CHANGES), told([*CHANGES, "output.vorticity=true", "output.q_criterion=true"])
+    assert more.most == pytest.approx(2 * plain.most)
+
+
 def test_first_run_leaves_less_than_100_mb_of_fields():
     """As measured with the shipped case: 42.7 MB for 41 pictures of 787320 cells, so 1.33 bytes a cell."""
     disk = told([])
@@ -50,7 +55,7 @@ def test_first_run_leaves_less_than_100_mb_of_fields():
 
 def test_check_says_it(capsys):
     assert main(["check", "dkt", "--json"]) == 0
-    rows = {row["name"]: row["value"] for row in json.loads(capsys.readouterr().out)["sections"]["Output"]}
-    assert rows == {"fields": "41 pictures, 44.2 MB to 177 MB"}
+    rows = {row["name"]: row for row in json.loads(capsys.readouterr().out)["sections"]["Disk"]}
+    assert (rows["fields.vtkhdf"]["value"], rows["fields.vtkhdf"]["note"]) == ("44.2 MB to 177 MB", "41 pictures")
     assert main(["check", "dkt", "--set", "output.fields_every=0"]) == 0
     assert "pictures" not in capsys.readouterr().out
