@@ -126,11 +126,8 @@ def watching(folder):
         page.wait_for_timeout(2000.0 * SECONDS)
         after = processor_seconds(parent), processor_seconds(run), time.perf_counter()
         server, solver, wall = (b - a for a, b in zip(before, after, strict=True))
-        of_machine = 100 * server / wall / (os.cpu_count() or 1)
         share, machine = server / solver, server / wall / (os.cpu_count() or 1)
-        print(
-            f"watched for {wall:.0f} s: processor time of the run {solver:.2f} s, of the page's server {server:.2f} s:"
-        )
+        print(f"watched for {wall:.0f} s: processor time: run {solver:.2f} s, page's server {server:.2f} s:")
         print(f"{100 * share:.1f} % of the run's, {100 * machine:.1f} % of the machine")
         page.get_by_role("button", name="Stop").click()
         page.get_by_role("button", name="Stop now").click()
