@@ -81,7 +81,7 @@ def writing(folder, stop):
         while not stop.is_set():
             rows = np.zeros((COUNT, len(PARTICLE_COLUMNS)))
             rows[:, 0], rows[:, 1] = n / RATE, np.arange(COUNT)
-            rows[:, 2:5] = ([*position, 0.0, 0.0, -0.001 * n]) % 0.1
+            rows[:, 2:5] = (position - np.array([0.0, 0.0, 0.001 * n])) % 0.1
             rows[:, 8:11] = 3.0
             table.write(rows)
             table.flush()
@@ -100,7 +100,7 @@ def scene(folder):
     try:
         with serving(folder) as address, browsing(address) as (page, _):
             page.goto(f"{address.partition('/?')[0]}/run/cloud")
-            page.wait_for_function("+document.querySelector('.rdpm-scene')?.dataset.frames > 5", timeout=60_000)
+            page.wait_for_function("+document.querySelector('.rdpm-scene')?.dataset.frames > 5")
             first = int(page.locator(".rdpm-scene").get_attribute("data-frames"))
             begun = time.perf_counter()
             page.wait_for_timeout(1000.0 * SECONDS)
@@ -119,7 +119,7 @@ def watching(folder):
         page.goto(f"{base}/cases?file=tank.toml")
         page.get_by_role("button", name="Run", exact=True).click()
         page.wait_for_url("**/run/tank")
-        page.wait_for_function("+document.querySelector('.rdpm-scene')?.dataset.frames > 5", timeout=60_000)
+        page.wait_for_function("+document.querySelector('.rdpm-scene')?.dataset.frames > 5")
         run = int((Path(folder) / "tank" / "run.lock").read_text())
         parent = int(Path(f"/proc/{run}/stat").read_text().rpartition(")")[2].split()[1])
         before = processor_seconds(parent), processor_seconds(run), time.perf_counter()

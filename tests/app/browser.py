@@ -60,6 +60,7 @@ def browsing(address, width=1280, height=900, dark=False):
             "response",
             lambda answer: complaints.append(f"{answer.status}: {answer.url}") if answer.status >= 400 else None,
         )
+        page.set_default_timeout(120_000)  # of a machine that has other work
         page.goto(address)
         try:
             yield page, complaints

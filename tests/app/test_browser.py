@@ -55,11 +55,11 @@ def test_design_check_run_watch_come_back_and_compare(tmp_path):
         assert 'end = "-1 s"' in page.get_by_label("Case file (TOML)").input_value()
 
         run_case(page, base, "one")
-        page.wait_for_function("+document.querySelector('.rdpm-scene')?.dataset.frames > 3", timeout=60_000)
+        page.wait_for_function("+document.querySelector('.rdpm-scene')?.dataset.frames > 3")
         page.goto("about:blank")  # the page is closed, the run goes on
 
         run_case(page, base, "two")
-        page.get_by_role("heading", name="Replay").wait_for(timeout=120_000)
+        page.get_by_role("heading", name="Replay").wait_for()
         page.goto(f"{base}/runs")
         for name in ("one", "two"):
             page.get_by_label(f"overlay {name}").check()
