@@ -127,7 +127,7 @@ def watching(folder):
         after = processor_seconds(parent), processor_seconds(run), time.perf_counter()
         server, solver, wall = (b - a for a, b in zip(before, after, strict=True))
         of_machine = 100 * server / wall / (os.cpu_count() or 1)
-        print(f"watched for {wall:.0f} s: the run took {solver:.2f} s of processor time, the page's server {server:.2f} s:")
+        print(f"watched for {wall:.0f} s: the run took {solver:.2f} s of processor time, the server {server:.2f} s:")
         print(f"{100 * server / solver:.1f} %, {of_machine:.1f} % of the machine")
         page.get_by_role("button", name="Stop").click()
         page.get_by_role("button", name="Stop now").click()
