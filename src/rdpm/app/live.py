@@ -204,7 +204,11 @@ class LiveRun:
         data, heads = self._particles.lines(), self._particles.heads
         if not data or not set(_DRAWN) <= set(heads):
             return np.empty((0, len(_DRAWN)))
-        rows = numbers(data, len(heads))[:, [heads.index(name) for name in _DRAWN]]
+        columns = [heads.index(name) for name in _DRAWN]
+        used = max(columns) + 1  # what stands behind is not read: it is half of a row
+        if used < len(heads):
+            data = b"\n".join([b",".join(line.split(b",", used)[:used]) for line in data.splitlines()]) + b"\n"
+        rows = numbers(data, used)[:, columns]
         return np.asarray(rows[np.isfinite(rows[:, :-1]).all(axis=1)])
 
     def _take_whole(self, rows: Floats) -> None:

@@ -34,11 +34,12 @@ def live_curves(run: LiveRun) -> dict[str, Chart]:
     >>> sorted(live_curves(LiveRun(RunFolder(pathlib.Path(tempfile.mkdtemp())))))
     ['contacts', 'gap', 'velocity']
     """
-    step = thinned(len(run.times), 1500)
-    times, rows = np.array(run.times[step]), np.array(run.settling[step])
+    count = min(len(run.times), len(run.settling), len(run.gap))  # a reader may be adding to them
+    step = thinned(count, 1500)
+    times, rows, gaps = (np.array(values[:count][step]) for values in (run.times, run.settling, run.gap))
     names = ["mean", "least", "greatest"] if run.count > _FEW else _bodies(run.count)
     fall = [line(name, times, 100.0 * rows[:, n], n) for n, name in enumerate(names)] if len(times) else []
-    gap = [line("smallest gap", times, 1e3 * np.array(run.gap[step]), 0)] if len(times) else []
+    gap = [line("smallest gap", times, 1e3 * gaps, 0)] if len(times) else []
     found = run.contacts[-2000:]
     dots = [points(kind, [row["start_s"] for row in found if row["kind"] == kind],
                    [100.0 * row["max_overlap_fraction"] for row in found if row["kind"] == kind], n)
