@@ -1,12 +1,26 @@
-"""MPI ranks: how many processes work on a run."""
+"""MPI ranks: the processes that work on one run, and what they say to each other."""
 
 from __future__ import annotations
 
 import os
+import sys
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import lru_cache
+from time import perf_counter
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rdpm.errors import CaseError
 
-__all__ = ["working_ranks"]
+__all__ = ["ALONE", "Alone", "MpiRanks", "OnRoot", "Ranks", "agree", "guarding", "launched", "on_root", "single", "world"]
+
+Array = NDArray[Any]
+Floats = NDArray[np.float64]
+T = TypeVar("T")
 
 # Set for each process by the launchers; SLURM's batch script itself has no step.
 _LAUNCHERS = (
@@ -18,31 +32,322 @@ _LAUNCHERS = (
 )
 
 
-def working_ranks() -> int:
-    """Processes that share the work: one in this version.
+class Ranks(Protocol):
+    """What the ranks of a run can say to each other; every rank must make the same calls in the same order.
 
-    Returns
-    -------
-    int
+    Attributes
+    ----------
+    size, rank : int
+        How many there are, and which one this is. Rank 0 is the root: it alone writes.
+    seconds, messages, sent_bytes
+        Spent in these calls, and sent by this rank, so far.
+    """
 
-    Raises
-    ------
-    CaseError
-        A launcher started several, each of which would do the whole work.
+    size: int
+    rank: int
+    seconds: float
+    messages: int
+    sent_bytes: int
+
+    def swap(self, sends: Sequence[tuple[int, Array]], receives: Sequence[tuple[int, Array]]) -> None:
+        """Send arrays to ranks, and receive into arrays from ranks; those between two ranks keep their order."""
+
+    def all_to_all(self, send: Floats, counts: Sequence[int], into: Floats, into_counts: Sequence[int]) -> None:
+        """Send a part of a flat array to every rank, and receive a part from each."""
+
+    def table(self, row: Sequence[float]) -> Floats:
+        """One row of numbers of each rank: (size, columns)."""
+
+    def rows(self, mine: Floats, counts: Sequence[int]) -> Floats:
+        """The rows of all ranks, rank after rank; `counts`: of each."""
+
+    def share(self, value: Any, source: int = 0) -> Any:
+        """Give everyone what one rank has."""
+
+    def abort(self, code: int) -> None:
+        """End all ranks at once."""
+
+
+class Alone:
+    """One rank: nobody to talk to.
 
     Examples
     --------
-    >>> working_ranks()
-    1
+    >>> Alone().table([1.0, 2.0])
+    array([[1., 2.]])
+    """
+
+    size, rank = 1, 0
+    seconds, messages, sent_bytes = 0.0, 0, 0
+
+    def swap(self, sends: Sequence[tuple[int, Array]], receives: Sequence[tuple[int, Array]]) -> None:
+        """Copy what is sent to oneself."""
+        for (_, source), (_, target) in zip(sends, receives, strict=True):
+            np.copyto(target, source)
+
+    def all_to_all(self, send: Floats, counts: Sequence[int], into: Floats, into_counts: Sequence[int]) -> None:
+        """Copy."""
+        np.copyto(into, send)
+
+    def table(self, row: Sequence[float]) -> Floats:
+        """Give the one row."""
+        return np.array([row], np.float64)
+
+    def rows(self, mine: Floats, counts: Sequence[int]) -> Floats:
+        """Give them back."""
+        return mine
+
+    def share(self, value: Any, source: int = 0) -> Any:
+        """Give it back."""
+        return value
+
+    def abort(self, code: int) -> None:
+        """Do nothing: the error itself ends this process."""
+
+
+#: The one rank of a run without a launcher.
+ALONE = Alone()
+
+
+class MpiRanks:
+    """The ranks of an MPI communicator.
+
+    Parameters
+    ----------
+    communicator : mpi4py.MPI.Comm
+    """
+
+    def __init__(self, communicator: Any) -> None:
+        from mpi4py import MPI
+
+        self._mpi, self._comm = MPI, communicator
+        self.size, self.rank = int(communicator.size), int(communicator.rank)
+        self.seconds, self.messages, self.sent_bytes = 0.0, 0, 0
+
+    def swap(self, sends: Sequence[tuple[int, Array]], receives: Sequence[tuple[int, Array]]) -> None:
+        """See `Ranks`."""
+        begin = perf_counter()
+        requests = [self._comm.Irecv(target, source) for source, target in receives]
+        requests += [self._comm.Isend(values, target) for target, values in sends]
+        self._mpi.Request.Waitall(requests)
+        self._count(begin, len(sends), sum(values.nbytes for _, values in sends))
+
+    def all_to_all(self, send: Floats, counts: Sequence[int], into: Floats, into_counts: Sequence[int]) -> None:
+        """See `Ranks`."""
+        begin = perf_counter()
+        self._comm.Alltoallv([send, list(counts)], [into, list(into_counts)])
+        self._count(begin, self.size - 1, send.nbytes - 8 * counts[self.rank])
+
+    def table(self, row: Sequence[float]) -> Floats:
+        """See `Ranks`."""
+        begin = perf_counter()
+        out = np.empty((self.size, len(row)))
+        self._comm.Allgather(np.array(row, np.float64), out)
+        self._count(begin, self.size - 1, 8 * len(row) * (self.size - 1))
+        return out
+
+    def rows(self, mine: Floats, counts: Sequence[int]) -> Floats:
+        """See `Ranks`."""
+        begin = perf_counter()
+        width = mine.shape[1]
+        out = np.empty((sum(counts), width))
+        self._comm.Allgatherv(np.ascontiguousarray(mine), [out, [width * n for n in counts]])
+        self._count(begin, self.size - 1, mine.nbytes * (self.size - 1))
+        return out
+
+    def share(self, value: Any, source: int = 0) -> Any:
+        """See `Ranks`."""
+        begin = perf_counter()
+        shared = self._comm.bcast(value, root=source)
+        self._count(begin, 1 if self.rank == source else 0, 0)
+        return shared
+
+    def abort(self, code: int) -> None:
+        """See `Ranks`."""
+        self._comm.Abort(code)
+
+    def _count(self, begin: float, messages: int, sent: int) -> None:
+        self.seconds += perf_counter() - begin
+        self.messages += messages
+        self.sent_bytes += sent
+
+
+def launched() -> tuple[int, str]:
+    """How many ranks a launcher started, and the variable that says so; 1 and nothing without one.
+
+    Examples
+    --------
+    >>> launched()
+    (1, '')
     """
     for name in _LAUNCHERS:
         count = os.environ.get(name, "")
         if count.isdigit() and int(count) > 1:
-            raise CaseError(
-                "run",
-                f"{count} MPI ranks ({name})",
-                "must be one process in this version",
-                "each rank would run the whole case",
-                "Start it without mpiexec or srun; use --threads.",
-            )
-    return 1
+            return int(count), name
+    return 1, ""
+
+
+@lru_cache(maxsize=1)
+def world() -> Ranks:
+    """Return the ranks of this run: those that a launcher started, or one.
+
+    Raises
+    ------
+    CaseError
+        A launcher started several, but mpi4py is not installed, or is that of another MPI.
+
+    Examples
+    --------
+    >>> world().size
+    1
+    """
+    count, name = launched()
+    if count == 1:
+        return ALONE
+    place = f"{count} MPI ranks ({name})"
+    try:
+        import mpi4py
+
+        mpi4py.rc.thread_level = "funneled"
+        from mpi4py import MPI
+    except (ImportError, RuntimeError) as error:
+        raise CaseError(
+            "run", place, "needs mpi4py", str(error).partition("\n")[0] or "it is not installed",
+            "Install rdpm[mpi], or start one process.",
+        ) from None  # fmt: skip
+    if count != MPI.COMM_WORLD.size:
+        library = MPI.Get_library_version().split("\n")[0].strip("\0 ")
+        raise CaseError(
+            "run", place, f"must be as many as MPI sees, {MPI.COMM_WORLD.size}",
+            f"mpi4py works with {library}, the launcher is that of another MPI",
+            "Use that MPI's own mpiexec; with srun choose the interface by --mpi=pmi2 or --mpi=pmix.",
+        )  # fmt: skip
+    return MpiRanks(MPI.COMM_WORLD)
+
+
+def single(what: str) -> None:
+    """Refuse several ranks, for a command that is one process.
+
+    Parameters
+    ----------
+    what : str
+        The command.
+
+    Raises
+    ------
+    CaseError
+
+    Examples
+    --------
+    >>> single("rdpm tune")
+    """
+    count, name = launched()
+    if count > 1:
+        raise CaseError(
+            what, f"{count} MPI ranks ({name})", "must be one process", "only rdpm run shares its work among ranks",
+            "Start it without mpiexec or srun; use --threads.",
+        )  # fmt: skip
+
+
+def on_root(ranks: Ranks, do: Callable[[], T]) -> T:
+    """Have the root do something; everyone gets what it returned, or the error it raised.
+
+    Parameters
+    ----------
+    ranks : Ranks
+    do : callable
+        Called on the root alone; what it returns must be plain data.
+
+    Examples
+    --------
+    >>> on_root(ALONE, lambda: 3)
+    3
+    """
+    if ranks.size == 1:
+        return do()
+    outcome: tuple[bool, Any] = (True, None)
+    if ranks.rank == 0:
+        try:
+            outcome = (True, do())
+        except Exception as error:
+            outcome = (False, error)
+    is_done, value = ranks.share(outcome)
+    if not is_done:
+        vars(value)["is_agreed"] = True
+        raise value
+    result: T = value
+    return result
+
+
+def agree(ranks: Ranks, error: Exception | None) -> None:
+    """Raise on every rank the error of the lowest one that has one.
+
+    Examples
+    --------
+    >>> agree(ALONE, None)
+    """
+    if ranks.size == 1:
+        if error is not None:
+            raise error
+        return
+    failed = ranks.table([error is not None])[:, 0]
+    if failed.any():
+        shared: Exception = ranks.share(error, int(np.argmax(failed)))
+        vars(shared)["is_agreed"] = True
+        raise shared
+
+
+@contextmanager
+def guarding(ranks: Ranks) -> Iterator[None]:
+    """End all ranks where one leaves the block by an error that the others do not know of."""
+    try:
+        yield
+    except BaseException as error:
+        if ranks.size > 1 and not getattr(error, "is_agreed", False):
+            text = f"rdpm: rank {ranks.rank}: {error}\n" if hasattr(error, "exit_code") else traceback.format_exc()
+            sys.stderr.write(text)
+            sys.stderr.flush()
+            ranks.abort(getattr(error, "exit_code", 1))
+        raise
+
+
+class OnRoot:
+    """A writer of files that only the root has; its methods are called on every rank.
+
+    Parameters
+    ----------
+    ranks : Ranks
+    make : callable
+        Gives the writer; called on the root alone.
+
+    Examples
+    --------
+    >>> rows = OnRoot(ALONE, list)
+    >>> rows.append(1)
+    >>> len(rows.inner)
+    1
+    """
+
+    def __init__(self, ranks: Ranks, make: Callable[[], Any]) -> None:
+        self.inner: Any = None
+        self._ranks = ranks
+
+        def keep() -> None:
+            self.inner = make()
+
+        on_root(ranks, keep)
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        def call(*arguments: Any) -> Any:
+            return on_root(self._ranks, lambda: getattr(self.inner, name)(*arguments))
+
+        return call
+
+    def __enter__(self) -> OnRoot:
+        if self.inner is not None and hasattr(self.inner, "__enter__"):
+            self.inner.__enter__()
+        return self
+
+    def __exit__(self, *exception: Any) -> None:
+        if self.inner is not None and hasattr(self.inner, "__exit__"):
+            self.inner.__exit__(*exception)
