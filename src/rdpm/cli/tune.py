@@ -89,11 +89,11 @@ def tune(
         The case or an option is wrong, or nothing touches.
     """
     from rdpm.config.load import case_name
-    from rdpm.parallel.ranks import working_ranks
+    from rdpm.parallel.ranks import single
     from rdpm.studies.tuning.options import TuneOptions
     from rdpm.studies.tuning.tune import tune as run
 
-    working_ranks()  # refuses several
+    single("rdpm tune")  # shares nothing among ranks
     if workers is not None and not 1 <= workers <= 1024:
         raise CaseError("--workers", workers, "must lie between 1 and 1024")
     options = TuneOptions(

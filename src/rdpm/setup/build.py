@@ -15,10 +15,13 @@ from rdpm.coupling.mean_flow import MeanFlow
 from rdpm.coupling.system import System
 from rdpm.fluid import Fluid
 from rdpm.grid import Box, Grid
+from rdpm.parallel.decomposition import Slab, cut, slabs
+from rdpm.parallel.ranks import Ranks, world
 from rdpm.parallel.threads import available_threads
 from rdpm.particles.calibration import CALIBRATION, Calibration
 from rdpm.particles.immersed import ImmersedBodies
 from rdpm.particles.prescribed import Motion, Prescription
+from rdpm.particles.shared import SharedBodies
 from rdpm.particles.state import Bodies
 from rdpm.setup.plan import Plan, plan
 from rdpm.simulation.time_loop import TimeLoop
@@ -39,6 +42,8 @@ class Simulation(TimeLoop):
         Other fitted numbers than those rdpm was validated with.
     contact_step : float, optional, [s]
         Step that the contacts' parameters are tied to, where adaptive steps continue those of another run.
+    ranks : Ranks, optional
+        That share the box; those that a launcher started when left out.
 
     Attributes
     ----------
@@ -67,35 +72,45 @@ class Simulation(TimeLoop):
         threads: int | None = None,
         calibration: Calibration = CALIBRATION,
         contact_step: float | None = None,
+        ranks: Ranks | None = None,
     ) -> None:
         self.case = case if isinstance(case, Case) else load_case(case)
         self.plan = plan(self.case, contact_step)
-        system = _system(self.plan, threads or available_threads(), calibration)
+        system = _system(self.plan, threads or available_threads(), calibration, world() if ranks is None else ranks)
         super().__init__(system, self.plan.step.dt, self.plan.step_control)
 
 
-def _system(made: Plan, threads: int, calibration: Calibration) -> System:
+def _system(made: Plan, threads: int, calibration: Calibration, ranks: Ranks) -> System:
     case, fluid = made.case, made.case.fluid
     bodies, prescription = _bodies(case)
     domain = case.domain
     box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities))
     gravity = np.array(domain.gravity)
     if fluid is None or made.cells is None:
-        return System(bodies, _contacts(made, bodies, box, None, calibration), prescription, gravity)
-    grid = Grid(box, made.cells, threads)
-    flow = Fluid(grid, fluid.density, fluid.nu, made.step.is_explicit)
+        contacts = _contacts(made, bodies, box, None, calibration)
+        return System(bodies, contacts, prescription, gravity, ranks=ranks)
+    grid = Grid(box, made.cells, threads, _slab(made, bodies, box, ranks))
+    flow = Fluid(grid, fluid.density, fluid.nu, made.step.is_explicit, ranks)
     flow.set_velocity(*fluid.initial_velocity)
     lubrication = None
     if case.contact.lubrication and len(bodies):
         h = float(np.cbrt(np.prod(grid.spacing)))
         lubrication = lubrication_correction(fluid.mu, h, case.contact.lubrication_roughness, calibration)
     contacts = _contacts(made, bodies, box, lubrication, calibration)
-    immersed = None
+    immersed: ImmersedBodies | SharedBodies | None = None
     if len(bodies):
-        immersed = ImmersedBodies(bodies, flow, gravity, calibration, made.step.longest is not None)
+        kind = ImmersedBodies if ranks.size == 1 else SharedBodies
+        immersed = kind(bodies, flow, gravity, calibration, made.step.longest is not None)
     initial = np.array(fluid.initial_velocity)
     mean_flow = MeanFlow(np.array(fluid.acceleration), case.zero_mean_flow, fluid.density * grid.volume, initial)
-    return System(bodies, contacts, prescription, gravity, flow, immersed, mean_flow)
+    return System(bodies, contacts, prescription, gravity, flow, immersed, mean_flow, ranks=ranks)
+
+
+def _slab(made: Plan, bodies: Bodies, box: Box, ranks: Ranks) -> Slab | None:
+    """The planes of this rank."""
+    if ranks.size == 1 or made.cells is None:
+        return None
+    return slabs(cut(np.ones(made.cells[2]), ranks.size), box.is_periodic[2])[ranks.rank]
 
 
 def _bodies(case: Case) -> tuple[Bodies, Prescription]:

@@ -56,8 +56,10 @@ inline Four interpolate_wrapped(const double* q, const WrappedPoints& at, const 
         return in_y[0][n] * load(p + y[0], x, is_whole) + in_y[1][n] * load(p + y[1], x, is_whole) +
                in_y[2][n] * load(p + y[2], x, is_whole);
     };
-    return weights.x[component == 0][n] * (in_z[0][n] * in_plane(q + z[0]) + in_z[1][n] * in_plane(q + z[1]) +
-                                           in_z[2][n] * in_plane(q + z[2]));
+    const bool* is_here = at.is_here + at.begin<component>(2);
+    const auto weight = [&](int c) { return is_here[c] ? in_z[c][n] : 0.0; };
+    return weights.x[component == 0][n] * (weight(0) * in_plane(q + z[0]) + weight(1) * in_plane(q + z[1]) +
+                                           weight(2) * in_plane(q + z[2]));
 }
 
 // Known at compile time which direction is on faces: the 27 terms unroll. What is left is to add up the four.
@@ -104,11 +106,12 @@ inline int body_of(const StencilSet& set, int inner) {
            1;
 }
 
-// Velocity at the markers, (markers, 3).
+// Velocity at the markers, (markers, 3); in a slab, what its planes add to it.
 inline void interpolate(const Grid& g, const VelocityView& q, const StencilSet& set, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
     const std::size_t row = g.row(), plane = g.plane();
     const int inner = set.count_inner(), folded = static_cast<int>(set.folded.size());
+    if (g.is_slab()) std::fill(out, out + 3 * static_cast<std::ptrdiff_t>(set.count()), 0.0);
 #pragma omp parallel num_threads(g.threads) if (set.count() > few_markers)
     {
         const int team = omp_get_num_threads(), me = omp_get_thread_num();
@@ -249,6 +252,7 @@ struct Reach {
         if (all.count() == 0) return none;
         const int lowest = body.box.lower[2] - 2, highest = body.box.upper[2] + 1, n = g.nz();
         if (lowest < 1 || highest > n) {
+            if (g.is_slab()) return all;
             // Any number of periods outside the box.
             const int low = ((lowest - 1) % n + n) % n + 1, high = highest + (low - lowest);
             for (const int shift : {-n, 0, n})
