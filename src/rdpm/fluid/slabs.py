@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -82,14 +84,14 @@ class SlabProjection:
         """From p and q of each slab to the values below and above it."""
         first, sent = self._first, self._sent
         below, above = self._below.reshape(-1), self._above.reshape(-1)
-        counts = [2 * (last - begin) for begin, last in zip(first[:-1], first[1:], strict=True)]
+        counts = [2 * (last - begin) for begin, last in pairwise(first)]
         mine = [2 * self._shared.shape[2]] * self._ranks.size
-        for begin, last in zip(first[:-1], first[1:], strict=True):
+        for begin, last in pairwise(first):
             sent[2 * begin : begin + last] = below[begin:last]
             sent[begin + last : 2 * last] = above[begin:last]
         self._ranks.all_to_all(sent, counts, self._shared.reshape(-1), mine)
         self._interfaces.solve(self._shared, self._grid.threads)
         self._ranks.all_to_all(self._shared.reshape(-1), mine, sent, counts)
-        for begin, last in zip(first[:-1], first[1:], strict=True):
+        for begin, last in pairwise(first):
             below[begin:last] = sent[2 * begin : begin + last]
             above[begin:last] = sent[begin + last : 2 * last]

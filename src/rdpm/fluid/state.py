@@ -160,11 +160,16 @@ class Fluid:
         return float(self.ranks.table([_core.largest_divergence(self.grid.core, *self.velocity)]).max())
 
     def cell_values(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Velocity (nz, ny, nx, 3) [m/s] and pressure (nz, ny, nx) [Pa] at the cell centres, single precision."""
+        """Velocity (nz, ny, nx, 3) [m/s] and pressure (nz, ny, nx) [Pa] at the cell centres, single precision.
+
+        Of this rank's slab alone, where several share the box.
+        """
         nx, ny, nz = self.grid.cells_here
         velocity = np.empty((nz, ny, nx, 3), np.float32)
         pressure = np.empty((nz, ny, nx), np.float32)
         _core.cell_values(self.grid.core, *self.velocity, self.p, self.density, velocity, pressure)
+        if isinstance(self._projection, SlabProjection):
+            pressure -= np.float32(self.density * self._projection.offset)
         return velocity, pressure
 
     def kinetic_energy(self) -> float:
@@ -177,6 +182,8 @@ class Fluid:
         fields = dict(zip(("u", "v", "w"), self.velocity, strict=True)) | {"p": self.p}
         tendencies = {f"tendency_{x}": values for x, values in zip("xyz", self.tendency, strict=True)}
         scalars = {name: np.array(getattr(self, name)) for name in ("cfl_rate", "square_sum", "last_dt", "is_explicit")}
+        if isinstance(self._projection, SlabProjection):
+            scalars["pressure_offset"] = np.array(self._projection.offset)
         return fields | tendencies | scalars
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
@@ -188,6 +195,11 @@ class Fluid:
         names = ("u", "v", "w", "p", "tendency_x", "tendency_y", "tendency_z")
         for target, name in zip((*self.velocity, self.p, *self.tendency), names, strict=True):
             np.copyto(target, state[name])
+        offset = float(state.get("pressure_offset", 0.0))
+        if isinstance(self._projection, SlabProjection):
+            self._projection.offset = offset
+        elif offset:
+            self.p -= offset
         self.cfl_rate, self.square_sum = float(state["cfl_rate"]), float(state["square_sum"])
         self._last_dt = float(state["last_dt"])
         if bool(state["is_explicit"]) != self.is_explicit:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +15,7 @@ from rdpm.errors import CaseError
 from rdpm.io.appending import appending, reserve
 from rdpm.io.files import replacing
 from rdpm.io.sphere_surface import sphere_surface
+from rdpm.parallel.gather import Planes
 
 if TYPE_CHECKING:
     import h5py
@@ -40,6 +42,14 @@ def _append(dataset: h5py.Dataset, rows: NDArray[Any]) -> None:
     count = dataset.shape[0]
     dataset.resize(count + len(rows), axis=0)
     dataset[count:] = rows
+
+
+def _append_planes(dataset: h5py.Dataset, values: NDArray[Any] | Planes) -> None:
+    count, below = dataset.shape[0], 0
+    dataset.resize(count + 1, axis=0)
+    for part in values if isinstance(values, Planes) else (values,):
+        dataset[count, below : below + len(part)] = part
+        below += len(part)
 
 
 def _steps_until(steps: h5py.Group, time: float) -> int:
@@ -126,7 +136,7 @@ class FieldWriter:
                 root["Steps/CellDataOffsets"][name].resize(count, axis=0)
             root["Steps"].attrs["NSteps"] = count
 
-    def write(self, time: float, velocity: ArrayLike, pressure: ArrayLike) -> None:
+    def write(self, time: float, velocity: ArrayLike | Planes, pressure: ArrayLike | Planes) -> None:
         """Append one step; afterwards the file on disk is complete.
 
         Parameters
@@ -134,7 +144,8 @@ class FieldWriter:
         time : float, [s]
             Later than the step before.
         velocity : array_like, (nz, ny, nx, 3), [m/s]
-            u, v, w at the cells' centres; stored in single precision.
+            u, v, w at the cells' centres; stored in single precision. From planes of several ranks it is taken slab by
+            slab, and so is the pressure.
         pressure : array_like, (nz, ny, nx), [Pa]
 
         Raises
@@ -144,15 +155,16 @@ class FieldWriter:
         OutputError
             The file cannot be written.
         """
-        u = np.asarray(velocity, np.float32)
-        p = np.asarray(pressure, np.float32)
+        u, p = (
+            values if isinstance(values, Planes) else np.asarray(values, np.float32) for values in (velocity, pressure)
+        )
         if u.shape != (*self.shape, 3) or p.shape != self.shape:
             rule = f"must be {(*self.shape, 3)} and {self.shape}"
             raise ValueError(f"velocity {u.shape}, pressure {p.shape}: {rule}")
-        with appending(self.path, u.nbytes + p.nbytes) as root:
+        with appending(self.path, 16 * math.prod(self.shape)) as root:
             step = int(root["Steps"].attrs["NSteps"])
             for name, values in (("velocity", u), ("pressure", p)):
-                _append(root["CellData"][name], values[None])
+                _append_planes(root["CellData"][name], values)
                 _append(root["Steps/CellDataOffsets"][name], np.array([step]))
             _append(root["Steps/Values"], np.array([time]))
             root["Steps"].attrs["NSteps"] = step + 1

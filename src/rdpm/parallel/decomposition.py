@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,7 +100,7 @@ def cut(cost: NDArray[np.float64], ranks: int, least: int = LEAST_PLANES) -> lis
             found -= 1
         ends.append(min(max(found, ends[-1] + least), planes - (ranks - rank) * least))
     ends.append(planes)
-    return [upper - lower for lower, upper in zip(ends[:-1], ends[1:], strict=True)]
+    return [upper - lower for lower, upper in pairwise(ends)]
 
 
 def slabs(planes: Sequence[int], is_periodic: bool) -> list[Slab]:

@@ -14,9 +14,23 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm.errors import CaseError
+from rdpm.errors import CaseError, RdpmError
 
-__all__ = ["ALONE", "Alone", "MpiRanks", "OnRoot", "Ranks", "agree", "guarding", "launched", "on_root", "single", "world"]
+__all__ = [
+    "ALONE",
+    "Alone",
+    "MpiRanks",
+    "OnRoot",
+    "Ranks",
+    "agree",
+    "guarding",
+    "launched",
+    "launched_rank",
+    "on_root",
+    "single",
+    "together",
+    "world",
+]
 
 Array = NDArray[Any]
 Floats = NDArray[np.float64]
@@ -39,12 +53,15 @@ class Ranks(Protocol):
     ----------
     size, rank : int
         How many there are, and which one this is. Rank 0 is the root: it alone writes.
+    sharers : int
+        Ranks that share the processors this one may use, itself included.
     seconds, messages, sent_bytes
         Spent in these calls, and sent by this rank, so far.
     """
 
     size: int
     rank: int
+    sharers: int
     seconds: float
     messages: int
     sent_bytes: int
@@ -77,7 +94,7 @@ class Alone:
     array([[1., 2.]])
     """
 
-    size, rank = 1, 0
+    size, rank, sharers = 1, 0, 1
     seconds, messages, sent_bytes = 0.0, 0, 0
 
     def swap(self, sends: Sequence[tuple[int, Array]], receives: Sequence[tuple[int, Array]]) -> None:
@@ -122,6 +139,10 @@ class MpiRanks:
 
         self._mpi, self._comm = MPI, communicator
         self.size, self.rank = int(communicator.size), int(communicator.rank)
+        node = communicator.Split_type(MPI.COMM_TYPE_SHARED)
+        masks = node.allgather(sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else None)
+        self.sharers = sum(mask == masks[node.rank] for mask in masks)
+        node.Free()
         self.seconds, self.messages, self.sent_bytes = 0.0, 0, 0
 
     def swap(self, sends: Sequence[tuple[int, Array]], receives: Sequence[tuple[int, Array]]) -> None:
@@ -185,6 +206,21 @@ def launched() -> tuple[int, str]:
         if count.isdigit() and int(count) > 1:
             return int(count), name
     return 1, ""
+
+
+def launched_rank() -> int:
+    """Which rank the launcher says this is, before MPI is asked; 0 without one.
+
+    Examples
+    --------
+    >>> launched_rank()
+    0
+    """
+    if launched()[0] == 1:
+        return 0
+    names = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK", "PMIX_RANK", "SLURM_PROCID")
+    found = [os.environ[name] for name in names if os.environ.get(name, "").isdigit()]
+    return int(found[0]) if found else 0
 
 
 @lru_cache(maxsize=1)
@@ -279,6 +315,24 @@ def on_root(ranks: Ranks, do: Callable[[], T]) -> T:
     return result
 
 
+def together(ranks: Ranks, do: Callable[[], T]) -> T:
+    """Call something on every rank; where one of rdpm's errors is raised on some, all raise that of the lowest.
+
+    Examples
+    --------
+    >>> together(ALONE, lambda: 3)
+    3
+    """
+    found: list[T] = []
+    error: RdpmError | None = None
+    try:
+        found.append(do())
+    except RdpmError as raised:
+        error = raised
+    agree(ranks, error)
+    return found[0]
+
+
 def agree(ranks: Ranks, error: Exception | None) -> None:
     """Raise on every rank the error of the lowest one that has one.
 
@@ -307,7 +361,7 @@ def guarding(ranks: Ranks) -> Iterator[None]:
             text = f"rdpm: rank {ranks.rank}: {error}\n" if hasattr(error, "exit_code") else traceback.format_exc()
             sys.stderr.write(text)
             sys.stderr.flush()
-            ranks.abort(getattr(error, "exit_code", 1))
+            ranks.abort(getattr(error, "exit_code", 130 if isinstance(error, KeyboardInterrupt) else 1))
         raise
 
 

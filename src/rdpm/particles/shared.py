@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,7 @@ from rdpm.fluid.state import Fluid
 from rdpm.parallel.gather import rows_on_root
 from rdpm.particles.calibration import CALIBRATION, Calibration
 from rdpm.particles.immersed import ClosePairs, ImmersedBodies
+from rdpm.particles.markers import MarkerSet
 from rdpm.particles.seeding import marker_count
 from rdpm.particles.sharing import Sharing
 from rdpm.particles.state import Bodies
@@ -44,6 +47,8 @@ class SharedBodies:
     load, inertia, hydrodynamic_force, hydrodynamic_torque, applied_force : ndarray, (N, ...)
         As those of `ImmersedBodies`.
     slip : float, [m/s]
+    pass_seconds : float, [s]
+        Wall time spent in forcing passes so far.
     """
 
     def __init__(
@@ -57,8 +62,7 @@ class SharedBodies:
         self.bodies, self.calibration = bodies, calibration
         self._fluid, self._gravity, self._is_variable = fluid, gravity, has_variable_steps
         self._ranks = fluid.ranks
-        self.slip = 0.0
-        self._passed = 0.0
+        self.slip = self.pass_seconds = 0.0
         h = float(np.cbrt(np.prod(fluid.grid.spacing)))
         self._markers = np.array([marker_count(0.5 * d, h) for d in bodies.diameter], np.int64)
         self._sharing = Sharing(fluid.grid, fluid.ranks, bodies.diameter)
@@ -72,9 +76,9 @@ class SharedBodies:
         self._exchange_rows()
 
     @property
-    def pass_seconds(self) -> float:
-        """Wall time spent in forcing passes so far [s]."""
-        return self._passed + self.part.pass_seconds
+    def markers(self) -> MarkerSet:
+        """Of the bodies here."""
+        return self.part.markers
 
     @property
     def here(self) -> NDArray[np.int64]:
@@ -104,6 +108,8 @@ class SharedBodies:
     def impose_no_slip(self, fluid: Fluid, dt: float, before: Floats, impulse: Floats) -> None:
         """See `ImmersedBodies.impose_no_slip`; the velocities of all bodies are known after `close`."""
         self.part.impose_no_slip(fluid, dt, before[self.here], impulse[self.here])
+        self.pass_seconds += self.part.pass_seconds
+        self.part.pass_seconds = 0.0
 
     def close(self, fluid: Fluid, dt: float, before: Floats, impulse: Floats) -> None:
         """See `ImmersedBodies.close`; afterwards the rows of all bodies are known here."""
@@ -117,7 +123,7 @@ class SharedBodies:
         order = self._order_of_markers()
         of_markers = {}
         for name, values in markers.state().items():
-            gathered = rows_on_root(self._ranks, values.reshape(len(markers), -1)[own])
+            gathered = rows_on_root(self._ranks, values.reshape(len(markers), math.prod(values.shape[1:]))[own])
             whole = np.empty((len(order) if self._ranks.rank == 0 else 0, gathered.shape[1]))
             whole[order[: len(whole)]] = gathered
             of_markers[name] = whole.reshape(-1, *values.shape[1:])
@@ -135,7 +141,9 @@ class SharedBodies:
         first = np.concatenate([[0], np.cumsum(self._markers)])
         rows = _ranges(first[self.here], self._markers[self.here])
         of_part = {name: getattr(self, name)[self.here] for name in (*_MOTION, "load")}
-        self.part.restore({"force": state["force"][rows], "volume": state["volume"][rows], "slip": state["slip"]} | of_part)
+        self.part.restore(
+            {"force": state["force"][rows], "volume": state["volume"][rows], "slip": state["slip"]} | of_part
+        )
         self._attach()
         self._exchange_rows()
 
@@ -162,7 +170,6 @@ class SharedBodies:
         if np.array_equal(before, self.here):
             self._sharing.index(old.markers.first)
             return
-        self._passed += old.pass_seconds
         self.part = self._made()
         first = self.part.markers.first
         force, volume = np.zeros((len(self.part.markers), 3)), self.part.markers.full_volume.copy()
@@ -205,7 +212,9 @@ class SharedBodies:
         table = np.empty((len(self.bodies), mine.shape[1]))
         table[sharing.order] = self._ranks.rows(mine[sharing.is_own], sharing.counts)
         at = np.cumsum([0, 3, 3, 1, *_ROWS.values()])
-        columns = dict(zip(("velocity", "angular_velocity", "slip", *_ROWS), zip(at[:-1], at[1:], strict=True), strict=True))
+        columns = dict(
+            zip(("velocity", "angular_velocity", "slip", *_ROWS), pairwise(at), strict=True)
+        )
         for name in ("velocity", "angular_velocity"):
             np.copyto(getattr(self.bodies, name), table[:, slice(*columns[name])])
         markers = int(self._markers.sum())

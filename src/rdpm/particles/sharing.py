@@ -103,7 +103,7 @@ class Sharing:
         """
         if not arrivals.any():
             return []
-        giver = np.argmax(self._before, axis=0)   # the lowest that holds it
+        giver = np.argmax(self._before, axis=0)  # the lowest that holds it
         me, sends, gained = self._ranks.rank, [], []
         receives: list[tuple[int, Floats]] = []
         for rank in range(self._ranks.size):
@@ -139,7 +139,7 @@ class Sharing:
             return
         received = {rank: np.empty((len(at), rows.shape[1])) for rank, at in index.items()}
         self._ranks.swap([(rank, rows[at]) for rank, at in index.items()], list(received.items()))
-        if self._are_pairs:   # a + b = b + a
+        if self._are_pairs:  # a + b = b + a
             for rank, at in index.items():
                 rows[at] += received[rank]
             return
@@ -151,4 +151,3 @@ class Sharing:
                 rows[shared] += own
             else:
                 rows[index[rank]] += received[rank]
-

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -15,6 +16,8 @@ from rdpm.errors import OutputError
 from rdpm.io.files import reporting
 from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, TableWriter
 from rdpm.io.vtkhdf import BodyWriter, FieldWriter
+from rdpm.parallel.gather import Planes, with_planes
+from rdpm.parallel.ranks import OnRoot
 from rdpm.results.contacts import is_pressed
 from rdpm.results.run_folder import TABLES, RunFolder
 from rdpm.simulation.schedule import Every
@@ -28,7 +31,8 @@ Writer = TypeVar("Writer")
 class Recorder:
     """Writes a run's tables and fields into its folder.
 
-    Leaving its context closes the files as they are; `close` also writes what is still open.
+    On several ranks all follow the run alike, and the root writes. Leaving its context closes the files as they are;
+    `close` also writes what is still open.
 
     Parameters
     ----------
@@ -69,20 +73,20 @@ class Recorder:
         self.max_speed = np.linalg.norm(bodies.velocity, axis=1)
         arrays, facts = resumed or ({}, {})
         with ExitStack() as files:
-            at = facts.get("positions", {})
-            writers = {
-                name: files.enter_context(TableWriter(folder.table(name), columns, at.get(name)))
-                for name, columns in TABLES.items()
-            }
+            at, ranks = facts.get("positions", {}), simulation.system.ranks
+            writers = {}
+            for name, columns in TABLES.items():
+                make = partial(TableWriter, folder.table(name), columns, at.get(name))
+                writers[name] = files.enter_context(OnRoot(ranks, make))
             self._flow = self._shapes = None
             until = simulation.time if resumed else None
             if fields_every > 0.0 and fluid:
                 cells, spacing = fluid.grid.cells, fluid.grid.spacing
-                self._flow = _continued(
+                self._flow = OnRoot(ranks, lambda: _continued(
                     folder.fields, until, note, lambda path, keep: FieldWriter(path, cells, spacing, keep)
-                )
+                ))
             if fields_every > 0.0 and len(bodies):
-                self._shapes = _continued(folder.bodies, until, note, BodyWriter)
+                self._shapes = OnRoot(ranks, lambda: _continued(folder.bodies, until, note, BodyWriter))
             self._particles, self._contacts, self._history, self._timing = writers.values()
             self._writers = writers
             if resumed:
@@ -196,7 +200,9 @@ class Recorder:
     def _write_fields(self) -> None:
         sim = self.simulation
         if self._flow and sim.fluid:
-            self._flow.write(sim.time, *sim.fluid.cell_values())
+            ranks, flow = sim.system.ranks, self._flow.inner
+            planes = [Planes(ranks, values) for values in sim.fluid.cell_values()]
+            with_planes(ranks, planes, lambda: flow.write(sim.time, *planes))
         if self._shapes:
             b = sim.bodies
             self._shapes.write(sim.time, b.position, b.diameter, b.velocity, b.angular_velocity)

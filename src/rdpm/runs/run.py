@@ -10,6 +10,7 @@ from rdpm.config.case import Case
 from rdpm.config.load import load_case
 from rdpm.errors import CaseError
 from rdpm.io.files import reporting
+from rdpm.parallel.ranks import on_root, world
 from rdpm.results.frames import RunFrames, open_run
 from rdpm.runs.runner import run_case
 from rdpm.setup import Simulation, plan
@@ -34,7 +35,7 @@ def run(
     out : path
         New or empty; of the run to be continued with `resume`. Missing folders above it are made.
     on_step : callable, optional
-        Called after every step with the simulation, before the step's rows are written.
+        Called after every step with the simulation, before the step's rows are written; on every rank.
     threads : int, optional
         All processors, or OMP_NUM_THREADS, when left out.
     resume : bool
@@ -64,7 +65,13 @@ def run(
     """
     loaded = case if isinstance(case, Case) else load_case(case)
     plan(loaded)  # refuses what cannot run, before a folder is made
-    folder = Path(out)
+    folder, ranks = Path(out), world()
+    on_root(ranks, lambda: _make_folder(folder, resume))
+    run_case(loaded, folder, threads=threads, resume=resume, on_step=on_step, ranks=ranks)
+    return open_run(folder)
+
+
+def _make_folder(folder: Path, resume: bool) -> None:
     if folder.exists() and not folder.is_dir():
         raise CaseError("out", str(folder), "must be a folder", "a file of that name is there", "Name another.")
     if not resume and folder.is_dir() and any(folder.iterdir()):
@@ -72,5 +79,3 @@ def run(
         raise CaseError("out", str(folder), "must be new or empty", "it holds files, perhaps results", cure)
     with reporting(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    run_case(loaded, folder, threads=threads, resume=resume, on_step=on_step)
-    return open_run(folder)

@@ -76,7 +76,8 @@ class Simulation(TimeLoop):
     ) -> None:
         self.case = case if isinstance(case, Case) else load_case(case)
         self.plan = plan(self.case, contact_step)
-        system = _system(self.plan, threads or available_threads(), calibration, world() if ranks is None else ranks)
+        ranks = world() if ranks is None else ranks
+        system = _system(self.plan, threads or available_threads(ranks.sharers), calibration, ranks)
         super().__init__(system, self.plan.step.dt, self.plan.step_control)
 
 

@@ -10,6 +10,7 @@ from typing import Any, Self
 from rdpm.coupling.step import step
 from rdpm.coupling.system import System
 from rdpm.fluid import Fluid
+from rdpm.parallel.ranks import together
 from rdpm.particles.state import Bodies
 from rdpm.simulation.guards import check_divergence, check_step
 from rdpm.simulation.step_control import StepControl
@@ -109,6 +110,16 @@ class TimeLoop:
         if self.step_control is not None:
             self.dt, is_isolated = self.step_control.choose(self.system, self.dt)
         self.last_dt = dt = _fitted(self.dt, left)
+        together(self.system.ranks, lambda: self._step(dt, is_isolated))
+        if self.steps % DIVERGENCE_EVERY == 0:
+            self.check_divergence()
+        self.wall_seconds += clock.perf_counter() - begin
+        for every, callback in self._callbacks:
+            if self.steps % every == 0:
+                callback(self)
+
+    def _step(self, dt: float, is_isolated: bool) -> None:
+        """One step that passes its guards."""
         try:
             step(self.system, dt, is_isolated)
         except ValueError:
@@ -118,16 +129,10 @@ class TimeLoop:
             raise
         self.shortest_dt, self.longest_dt = min(self.shortest_dt or dt, dt), max(self.longest_dt, dt)
         check_step(self.system, dt)
-        if self.steps % DIVERGENCE_EVERY == 0:
-            self.check_divergence()
-        self.wall_seconds += clock.perf_counter() - begin
-        for every, callback in self._callbacks:
-            if self.steps % every == 0:
-                callback(self)
 
     def check_divergence(self) -> float:
         """Largest divergence now [1/s]; remembered over the run."""
-        divergence = check_divergence(self.system)
+        divergence = together(self.system.ranks, lambda: check_divergence(self.system))
         self.max_divergence = max(self.max_divergence, divergence)
         return divergence
 
