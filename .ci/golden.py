@@ -131,7 +131,7 @@ SHORT: dict[str, tuple[str, list[str]]] = {
         ],
     ),
     "cloud": ("cloud", ["resolution.cells_per_diameter=6", "time.end=0.6"]),
-    "dry-box": (DRY_BOX, ["time.end=0.15"]),
+    "dry-box": (DRY_BOX, ["time.end=0.12"]),
     "dry-shear": (DRY_SHEAR, ["time.end=0.04"]),
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "check.hpp"
+#include "rdpm/contacts/adaptive.hpp"
 #include "rdpm/contacts/events.hpp"
 #include "rdpm/contacts/hertz.hpp"
 #include "rdpm/contacts/motion.hpp"
@@ -28,9 +29,12 @@ namespace {
 
 using Reals = In<double>;
 
-// box: rows size, period (0: not periodic); then six rows of wall velocities.
+// box: rows size, period (0: not periodic); six rows of wall velocities; five rows a wall within the box.
 contacts::Box make_box(const Reals& array) {
-    const double* b = array.checked("box", {8, 3});
+    static_assert(sizeof(contacts::InnerWall) == 15 * sizeof(double));
+    const std::int64_t rows = array.rows("box", {-1, 3});
+    rdpm::require(rows >= 8 && rows % 5 == 3 && rows < 5000, "box: needs 8 rows, and 5 more a wall");
+    const double* b = array.checked("box", {rows, 3});
     contacts::Box box{};
     for (int d = 0; d < 3; ++d) {
         box.size[d] = b[d];
@@ -38,6 +42,8 @@ contacts::Box make_box(const Reals& array) {
         box.inverse_period[d] = b[3 + d] > 0 ? 1 / b[3 + d] : 0;
     }
     box.wall_velocity = b + 6;
+    box.walls = reinterpret_cast<const contacts::InnerWall*>(b + 24);
+    box.inner_walls = static_cast<int>((rows - 8) / 5);
     return box;
 }
 
@@ -119,6 +125,7 @@ Facts contact_layouts() {
 }
 
 constexpr contacts::Kernel soft_sphere = contacts::kernel_of<contacts::SoftSphere>();
+constexpr contacts::Kernel adaptive = contacts::kernel_of<contacts::AdaptiveCollisionTime>();
 constexpr contacts::Kernel hertz = contacts::kernel_of<contacts::Hertz>();
 constexpr contacts::Kernel repulsive = contacts::kernel_of<contacts::Repulsive>();
 
@@ -129,14 +136,28 @@ const contacts::Kernel& kernel_at(std::uintptr_t address) {
     return kernel;
 }
 
-// Ids of bodies; of a pair's second, -1 to -6 for a face.
-const std::int32_t* checked_ids(const In<std::int32_t>& array, const char* name, rdpm::Shape shape,
-                                std::int64_t count, std::int64_t bodies, bool is_pair) {
-    const std::int32_t* id = array.checked(name, shape);
+// Ids of bodies.
+const std::int32_t* checked_bodies(const In<std::int32_t>& array, const char* name, std::int64_t count,
+                                   std::int64_t bodies) {
+    const std::int32_t* id = array.checked(name, {-1});
     for (std::int64_t k = 0; k < count; ++k)
-        if (id[k] >= bodies || id[k] < (is_pair && k % 2 == 1 ? -6 : 0))
+        if (id[k] < 0 || id[k] >= bodies)
+            throw std::invalid_argument(std::string(name) + ": id " + std::to_string(id[k]) + " is no body");
+    return id;
+}
+
+// Ids of pairs; the second may be a wall of the box.
+const std::int32_t* checked_pairs(const In<std::int32_t>& array, const char* name, std::int64_t count,
+                                  std::int64_t bodies, const contacts::Box& box) {
+    const std::int32_t* id = array.checked(name, {count, 2});
+    for (std::int64_t k = 0; k < 2 * count; ++k) {
+        const std::int64_t wall = -1 - static_cast<std::int64_t>(id[k]);
+        const bool is_wall = k % 2 == 1 && wall != contacts::kFaces &&
+                             wall < contacts::kFirstInner + static_cast<std::int64_t>(box.inner_walls);
+        if (id[k] >= bodies || (id[k] < 0 && !is_wall))
             throw std::invalid_argument(std::string(name) + ": id " + std::to_string(id[k]) +
-                                        " is no body and no face");
+                                        " is no body and no wall");
+    }
     return id;
 }
 
@@ -166,7 +187,7 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
                                       contact_impulse.checked("contact_impulse", {n, 3})};
     const bool is_wet = lubrication.rows("lubrication", {-1, sizeof(contacts::LubricationRow)}) > 0;
     const contacts::PairArrays rows_of_pairs{
-        checked_ids(pairs, "pairs", {m, 2}, 2 * m, n, true),
+        checked_pairs(pairs, "pairs", m, n, make_box(box)),
         checked_bytes(parameters, "parameters", m, kernel.parameters.size),
         is_wet ? checked_rows<contacts::LubricationRow>(lubrication, "lubrication", m) : nullptr,
         checked_rows<contacts::ContactState>(state, "state", m),
@@ -174,7 +195,7 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
         m};
     const contacts::SubstepTask task{bodies,
                                      make_box(box),
-                                     checked_ids(active, "active", {-1}, actives, n, false),
+                                     checked_bodies(active, "active", actives, n),
                                      actives,
                                      rows_of_pairs,
                                      checked_rows<contacts::Finished>(finished, "finished", -1),
@@ -251,7 +272,7 @@ std::tuple<double, std::int64_t, std::int64_t, std::int64_t, std::int64_t> run_e
     const auto m = pairs.rows("pairs", {-1, 2});
     const auto actives = active.rows("active", {-1});
     const bool is_wet = lubrication.rows("lubrication", {-1, sizeof(contacts::LubricationRow)}) > 0;
-    const std::int32_t* ids = checked_ids(pairs, "pairs", {m, 2}, 2 * m, n, true);
+    const std::int32_t* ids = checked_pairs(pairs, "pairs", m, n, make_box(box));
     const contacts::PairArrays rows_of_pairs{
         ids,
         checked_rows<contacts::HardSphere::Parameters>(parameters, "parameters", m),
@@ -262,7 +283,7 @@ std::tuple<double, std::int64_t, std::int64_t, std::int64_t, std::int64_t> run_e
     const contacts::BodyArrays bodies =
         body_arrays(position, velocity, angular_velocity, rotation, acceleration, angular_acceleration,
                     inverse_mass, inverse_moment, radius, impulse, angular_impulse, contact_impulse, n);
-    const std::int32_t* moved = checked_ids(active, "active", {-1}, actives, n, false);
+    const std::int32_t* moved = checked_bodies(active, "active", actives, n);
     auto* done = checked_rows<contacts::Finished>(finished, "finished", -1);
     const auto capacity = finished.rows("finished", {-1, sizeof(contacts::Finished)});
     std::int64_t* counts = events.checked("events", {m});
@@ -312,7 +333,7 @@ std::tuple<double, double, std::int64_t> separate(const Reals& box, const InOut<
     const auto m = pairs.rows("pairs", {-1, 2});
     double* x = position.checked("position", {n, 3});
     const double *mass = inverse_mass.checked("inverse_mass", {n}), *a = radius.checked("radius", {n});
-    const std::int32_t* ids = checked_ids(pairs, "pairs", {m, 2}, 2 * m, n, true);
+    const std::int32_t* ids = checked_pairs(pairs, "pairs", m, n, make_box(box));
     const contacts::Box b = make_box(box);
     nb::gil_scoped_release unlocked;
     const contacts::Gaps gaps = contacts::separate(x, mass, a, b, ids, m);
@@ -366,6 +387,7 @@ void bind_contacts(nb::module_& module) {
         .def_prop_ro("parameters", [](const contacts::Kernel& k) { return layout_dict(k.parameters); })
         .def_prop_ro("history", [](const contacts::Kernel& k) { return layout_dict(k.history); });
     module.def("soft_sphere_kernel", [] { return &soft_sphere; }, nb::rv_policy::reference);
+    module.def("adaptive_kernel", [] { return &adaptive; }, nb::rv_policy::reference);
     module.def("hertz_kernel", [] { return &hertz; }, nb::rv_policy::reference);
     module.def("repulsive_kernel", [] { return &repulsive; }, nb::rv_policy::reference);
     module.def("contact_layouts", &contact_layouts);

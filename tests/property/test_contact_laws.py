@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from contact_laws.constant_force import ConstantForce
-from rdpm.contacts import Contacts, HardSphere, Hertz, Repulsive, SoftSphere
+from rdpm.contacts import AdaptiveCollisionTime, Contacts, HardSphere, Hertz, Repulsive, SoftSphere
 from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
@@ -19,6 +19,7 @@ LAWS = {
     "soft sphere, zero overlap": (SoftSphere.from_contact_time(0.6, 1e-3, "zero-overlap", friction=0.3), 0.6),
     "hertz, zero force": (Hertz(1e7, 0.3, 0.6, 0.15, "zero-force", friction=0.3), 0.6),
     "hertz, zero overlap": (Hertz(1e7, 0.3, 0.6, 0.15, "zero-overlap", friction=0.3), 0.6),
+    "adaptive collision time": (AdaptiveCollisionTime(0.6, 1e-3, 1e-4, friction=0.3), 0.6),
     "repulsive": (Repulsive(stiffness=10.0, range=1e-5), 1.0),  # the surfaces stay apart
     "hard sphere": (HardSphere(0.6, friction=0.3, tangential_restitution=0.4), 0.6),
     "constant force": (ConstantForce(acceleration=200.0, speed=0.1), 1.0),

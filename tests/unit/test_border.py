@@ -214,6 +214,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     ),
     "contact_layouts": lambda: Call(_core.contact_layouts, {}),
     "soft_sphere_kernel": lambda: Call(_core.soft_sphere_kernel, {}),
+    "adaptive_kernel": lambda: Call(_core.adaptive_kernel, {}),
     "hertz_kernel": lambda: Call(_core.hertz_kernel, {}),
     "repulsive_kernel": lambda: Call(_core.repulsive_kernel, {}),
     "run_substeps": substeps,

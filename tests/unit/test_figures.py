@@ -63,7 +63,7 @@ def test_everything_of_a_pair(runs):
     said = []
     made = make_report(runs["pair"], progress=said.append)
     names = [path.relative_to(runs["pair"]).as_posix() for path in made]
-    charts = {"flow", "settling_velocity", "trajectory", "gap", "angle", "contacts", "history"}
+    charts = {"flow", "settling_velocity", "trajectory", "positions", "gap", "angle", "contacts", "history"}
     assert {f"figures/{name}.png" for name in charts} | {"video.mp4", "report.html"} <= set(names)
     # Where nothing can be rendered one line says so; where it can, the picture is there.
     assert ("figures/bodies_3d.png" in names) != any("bodies_3d" in line for line in said)
@@ -200,6 +200,19 @@ def test_plane_is_the_one_bodies_move_in():
     tracks = Tracks(np.array([0.0, 1.0]), position, still, still, still[..., 0])
     assert viewing_plane(tracks, (1.0, 1.0, 2.0), (0, 0, -9.81)) == Plane(1, 2, 0, 0.0)
     assert viewing_plane(tracks, (1.0, 1.0, 2.0), (0, -9.81, 0)).up == 1
+
+
+def test_a_pair_across_a_seam_is_cut_by_its_plane():
+    """Half a diameter on either side of y = 0 in a box of 1 m: the plane lies between them, not in the middle."""
+    position = np.zeros((2, 2, 3))
+    position[:, 0, 1], position[:, 1, 1], position[1, :, 2] = 0.97, 0.05, -0.4
+    position[:, :, 0] = 0.5
+    still = np.zeros_like(position)
+    tracks = Tracks(np.array([0.0, 1.0]), position, still, still, still[..., 0])
+    plane = viewing_plane(tracks, (1.0, 1.0, 2.0), (0, 0, -9.81), (1.0, 1.0, 0.0))
+    if plane.normal == 1:
+        assert plane.position == pytest.approx(0.01)
+    assert plane.across == 0 or plane.position == pytest.approx(0.5)
 
 
 def test_copies_beside_both_periodic_sides():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -17,6 +17,7 @@ def report(
     /,
     *,
     video: bool = True,
+    figure_format: Literal["png", "pdf", "svg"] | None = None,
     quiet: Annotated[bool, Parameter(negative="", show_default=False)] = False,
 ) -> None:
     """Make the figures, the video and report.html of a run's folder again.
@@ -27,6 +28,8 @@ def report(
         Where a run wrote its results.
     video : bool
         Whether to make the video, which takes longest.
+    figure_format
+        Of charts for print, beside those of the page: pdf or svg; that of the case when left out.
     quiet : bool
         Say nothing but errors.
 
@@ -51,7 +54,7 @@ def report(
             f"neither {files.summary.name} nor {files.case.name} is there",
             "Name the folder that `rdpm run` wrote.",
         )
-    made = make_report(folder, video=video, progress=None if quiet else say)
+    made = make_report(folder, video=video, figure_format=figure_format, progress=None if quiet else say)
     if not quiet:
         for path in made:
             print(path)

@@ -40,7 +40,7 @@ def show_results(summary: Summary, folder: Path, console: Console) -> None:
     console.print(f"\nResults are in {folder}", markup=False, soft_wrap=True)
     files = RunFolder(folder)
     opened = [(files.report, "in a browser"), (files.video, ""), (files.fields, "in ParaView")]
-    for path, where in (*opened, (files.bodies, "in ParaView")):
+    for path, where in (*opened, (files.bodies, "in ParaView"), (files.walls, "in ParaView")):
         if path.is_file():
             console.print(f"  open {path} {where}".rstrip(), markup=False, soft_wrap=True)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, StrictStr, ValidationError, ValidationInfo, field_validator, model_validator
@@ -17,6 +17,7 @@ from rdpm.config.output import Output
 from rdpm.config.overrides import set_values
 from rdpm.config.problems import Known, first_problem
 from rdpm.config.rule import RuleError
+from rdpm.config.walls import Wall
 from rdpm.config.write import content
 
 if TYPE_CHECKING:
@@ -25,10 +26,13 @@ if TYPE_CHECKING:
 __all__ = ["Case"]
 
 
-def _groups(value: Any) -> tuple[Any, ...]:
-    if isinstance(value, dict):
-        raise RuleError("must be a list of tables", cure="Write [[bodies]], not [bodies].", value=value)
-    return tuple(items(value))
+def _tables(name: str) -> Callable[[Any], tuple[Any, ...]]:
+    def check(value: Any) -> tuple[Any, ...]:
+        if isinstance(value, dict):
+            raise RuleError("must be a list of tables", cure=f"Write [[{name}]], not [{name}].", value=value)
+        return tuple(items(value))
+
+    return check
 
 
 def _is_released(group: BodyGroup) -> bool:
@@ -47,6 +51,8 @@ class Case(Model):
         The box and gravity.
     fluid
         What fills the box; without it the bodies move in a void.
+    walls
+        Walls within the box.
     bodies
         Groups of spheres.
     contact
@@ -62,7 +68,8 @@ class Case(Model):
     title: StrictStr = ""
     domain: Domain
     fluid: Fluid | None = None
-    bodies: Annotated[tuple[BodyGroup, ...], BeforeValidator(_groups)] = ()
+    walls: Annotated[tuple[Wall, ...], BeforeValidator(_tables("walls"))] = ()
+    bodies: Annotated[tuple[BodyGroup, ...], BeforeValidator(_tables("bodies"))] = ()
     contact: Annotated[Contact, LeftOut(", ".join(f"{key} = {value:g}" for key, value in DEFAULT_CONTACT.items()))]
     resolution: Resolution | None = None
     time: Time
@@ -91,6 +98,7 @@ class Case(Model):
             self._check_dry()
         else:
             self._check_wet(self.fluid)
+        self._check_walls()
         self._check_releases()
         diameters = self.expanded_bodies().diameter
         cells = self.resolution.cells if self.resolution else None
@@ -181,10 +189,26 @@ class Case(Model):
                 at=("fluid", "zero_mean_flow"),
             )
 
+    def _check_walls(self) -> None:
+        for n, wall in enumerate(self.walls):
+            try:
+                wall.check_periods(self.domain.is_periodic)
+            except RuleError as problem:
+                raise problem.below("walls", n) from None
+            if self.contact.model == "hard-sphere" and wall.side == "inside":
+                raise RuleError(
+                    'must be "outside" with contact.model = "hard-sphere"',
+                    "the time of touch is searched from below, which the inside of a cylinder does not allow",
+                    'Use contact.model = "soft-sphere".',
+                    value="inside",
+                    at=("walls", n, "side"),
+                )
+
     def _check_releases(self) -> None:
         for i, group in enumerate(self.bodies):
             by_gap = isinstance(group.motion, Motion) and isinstance(group.motion.until, Gap)
-            if by_gap and "wall" not in self.domain.kinds and len(self.expanded_bodies()) < 2:
+            no_wall = "wall" not in self.domain.kinds and not self.walls
+            if by_gap and no_wall and len(self.expanded_bodies()) < 2:
                 raise RuleError(
                     "must be a time for a lone body in a box without walls",
                     "a gap is measured to the nearest wall or body",
@@ -254,4 +278,4 @@ class Case(Model):
         """
         from rdpm.config.placement import expand
 
-        return expand(self.bodies, self.domain)
+        return expand(self.bodies, self.domain, self.walls)

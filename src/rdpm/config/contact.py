@@ -16,6 +16,7 @@ __all__ = ["DEFAULT_CONTACT", "Contact"]
 DEFAULT_CONTACT = {"contact_steps": 8.0, "restitution": 0.9}
 
 _RESTITUTION = 0.9  # of most hard spheres within 10 %, where only the overlap is designed
+_LEAST_ADAPTIVE = 0.05
 _TANGENTIAL_RATIO = 2 / 7  # a homogeneous sphere then has equal normal and tangential contact periods
 
 Ending = Literal["zero-force", "zero-overlap"]
@@ -37,6 +38,7 @@ _MODELS_OF: dict[str, tuple[Name, ...]] = {
     "tangential_ratio": ("soft-sphere",),
     "poisson_ratio": ("soft-sphere", "hertz"),
     "youngs_modulus": ("hertz",),
+    "adaptive_collision_time": ("soft-sphere",),
     "substeps": ("soft-sphere", "hertz", "repulsive"),
     "tangential_restitution": ("hard-sphere",),
     "rest_speed": ("hard-sphere",),
@@ -87,6 +89,9 @@ class Contact(Model):
         Largest overlap over the smaller diameter, reached at `impact_speed`.
     impact_speed
         Normal relative speed at touch: for `max_overlap`; of a Hertz contact, the one that the time step resolves.
+    adaptive_collision_time
+        Of a soft sphere with `contact_steps`: whether its spring is that of a Hertz contact, force over overlap to the
+        power 3/2, with a stiffness that follows from the speed of each impact.
     ending
         Where a contact ends: at zero force (LIGGGHTS' `limitForce`), or at zero overlap, where the force is briefly
         attractive.
@@ -132,6 +137,7 @@ class Contact(Model):
     damping: Annotated[float | None, Quantity("N s/m", ge=0.0)] = None
     max_overlap: Annotated[float | None, Quantity("", gt=0.0, le=0.5)] = None
     impact_speed: Annotated[float | None, Quantity("m/s", gt=0.0)] = None
+    adaptive_collision_time: StrictBool = False
     ending: Annotated[Ending, Choice(get_args(Ending))] = "zero-force"
     friction: Annotated[float, Quantity("", ge=0.0)] = 0.0
     tangential_ratio: Annotated[
@@ -201,6 +207,21 @@ class Contact(Model):
                 "or max_overlap and impact_speed",
                 found,
                 _cure(frozenset(given)),
+            )
+        if self.adaptive_collision_time and frozenset(given) != {"contact_steps", "restitution"}:
+            raise RuleError(
+                "must be false without contact_steps",
+                f"given are {listed(given)}, and the model follows from the contact's duration",
+                "Give contact_steps and restitution.",
+                value=True,
+                at=("adaptive_collision_time",),
+            )
+        if self.adaptive_collision_time and (self.restitution or 0.0) < _LEAST_ADAPTIVE:
+            raise RuleError(
+                f"must be at least {_LEAST_ADAPTIVE:g} with adaptive_collision_time",
+                "below, its damping leaves hardly a rebound",
+                value=self.restitution,
+                at=("restitution",),
             )
         if self.max_overlap is not None and self.max_overlap >= self.overlap_limit:
             raise RuleError(

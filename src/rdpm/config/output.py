@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal, get_args
 
 from pydantic import StrictBool
 
-from rdpm.config.declared import LeftOut, Quantity, Whole
+from rdpm.config.declared import Choice, LeftOut, Quantity, Whole
 from rdpm.config.fields import Model
 
 __all__ = ["Output"]
 
+FigureFormat = Literal["png", "pdf", "svg"]
 ROWS, FRAMES = 500, 50  # of the tables and of the fields, where the case does not say
 
 
@@ -31,6 +32,8 @@ class Output(Model):
         Whether a run makes its figures and `report.html`.
     video
         Whether the report has a video.
+    figure_format
+        Charts are written as `png`, which the report holds, and in this format for print.
     """
 
     table_every: Annotated[float | None, Quantity("s", gt=0.0), LeftOut(f"time.end / {ROWS}")] = None
@@ -39,6 +42,7 @@ class Output(Model):
     checkpoints_kept: Annotated[int, Whole(2, 10_000)] = 2
     report: StrictBool = True
     video: StrictBool = True
+    figure_format: Annotated[FigureFormat, Choice(get_args(FigureFormat))] = "png"
 
     def filled(self, end: float) -> Output:
         """Return the same with the times that were left out, for a run until `end` [s]."""

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from rdpm.config.cells import LARGER, Placed
 from rdpm.config.overlaps import wrapped
 from rdpm.config.rule import RuleError
+from rdpm.surfaces import Surface
 
 __all__ = ["place_at_random"]
 
@@ -26,6 +27,7 @@ def place_at_random(
     min_gap: float,
     seed: int,
     obstacles: tuple[Floats, Floats],
+    walls: tuple[Surface, ...] = (),
 ) -> Floats:
     """Place spheres at random, the largest first (sizes within an eighth side by side), none touching.
 
@@ -40,6 +42,8 @@ def place_at_random(
         The same seed gives the same centres.
     obstacles : tuple of ndarray (M, 3) and (M,), [m]
         Centres and diameters of spheres already there.
+    walls : tuple of Plane or Cylinder
+        Within the box.
 
     Returns
     -------
@@ -75,6 +79,9 @@ def place_at_random(
             turn = np.resize(waiting, block)
             draws = wrapped(low[turn] + rng.random((block, 3)) * room[turn], box, periodic)
             free = placed.is_free(draws, diameter[turn])
+            for wall in walls:
+                distance = wall.distance(draws, np.where(periodic, box, 0.0))[0]
+                free &= distance >= 0.5 * diameter[turn] + min_gap
             kept, bodies = _settle(draws[free], diameter[turn[free]], waiting, diameter, placed)
             position[bodies] = kept
             placed.add(kept, diameter[bodies])

@@ -14,6 +14,7 @@ from rdpm.config.domain import Domain
 from rdpm.config.overlaps import first_overlap, wrapped
 from rdpm.config.packing import place_at_random
 from rdpm.config.rule import Path, RuleError
+from rdpm.config.walls import Wall
 
 __all__ = ["BodyTable", "expand"]
 
@@ -54,7 +55,7 @@ class BodyTable:
 
 
 @lru_cache(maxsize=4)  # a case is checked, planned and run on the same table
-def expand(groups: tuple[BodyGroup, ...], domain: Domain) -> BodyTable:
+def expand(groups: tuple[BodyGroup, ...], domain: Domain, walls: tuple[Wall, ...] = ()) -> BodyTable:
     """Place the bodies of all groups and check that they fit.
 
     Raises
@@ -72,7 +73,7 @@ def expand(groups: tuple[BodyGroup, ...], domain: Domain) -> BodyTable:
     velocity = _joined([_velocity(g, n, i, "velocity").ravel() for i, g, n in members]).reshape(-1, 3)
     angular_velocity = _joined([_velocity(g, n, i, "angular_velocity").ravel() for i, g, n in members]).reshape(-1, 3)
     _check_sizes(diameter, group, domain)
-    position = _positions(diameter, group, groups, domain)
+    position = _positions(diameter, group, groups, domain, walls)
     for array in (diameter, density, position, velocity, angular_velocity, group):
         array.setflags(write=False)
     motion = tuple(g.motion for _, g, n in members for _ in range(n))
@@ -80,7 +81,11 @@ def expand(groups: tuple[BodyGroup, ...], domain: Domain) -> BodyTable:
 
 
 def _positions(
-    diameter: Floats, group: NDArray[np.int64], groups: tuple[BodyGroup, ...], domain: Domain
+    diameter: Floats,
+    group: NDArray[np.int64],
+    groups: tuple[BodyGroup, ...],
+    domain: Domain,
+    walls: tuple[Wall, ...],
 ) -> Floats:
     """Centres, wrapped into the box: the given ones, then the packings between them."""
     box, periodic = np.array(domain.size), np.array(domain.is_periodic)
@@ -90,6 +95,7 @@ def _positions(
             position[group == i] = g.centers if g.centers is not None else _lattice(g.lattice)
     _check_inside(position, diameter, group, groups, domain)
     position = wrapped(position, box, periodic)
+    surfaces = tuple(wall.surface for wall in walls)
     for i, g in enumerate(groups):
         if g.packing is None:
             continue
@@ -97,10 +103,11 @@ def _positions(
         obstacles = (position[others], diameter[others])
         gap, seed = g.packing.min_gap, g.packing.seed
         try:
-            position[mine] = place_at_random(diameter[mine], box, periodic, gap, seed, obstacles)
+            position[mine] = place_at_random(diameter[mine], box, periodic, gap, seed, obstacles, surfaces)
         except RuleError as problem:
             raise problem.below("bodies", i, "packing") from None
     _check_apart(position, diameter, group, groups, domain)
+    _check_walls(position, diameter, group, groups, domain, walls)
     return position
 
 
@@ -225,3 +232,26 @@ def _check_apart(
             f"Move them {-gap:.3g} m apart.",
             at=_place(groups, group, j),
         )
+
+
+def _check_walls(
+    position: Floats,
+    diameter: Floats,
+    group: NDArray[np.int64],
+    groups: tuple[BodyGroup, ...],
+    domain: Domain,
+    walls: tuple[Wall, ...],
+) -> None:
+    period = np.where(domain.is_periodic, domain.size, 0.0)
+    for n, wall in enumerate(walls):
+        gap = wall.surface.distance(position, period)[0] - 0.5 * diameter
+        beyond = np.flatnonzero(gap < -_TOUCH * diameter)
+        if beyond.size:
+            body = int(beyond[0])
+            raise RuleError(
+                f"must not overlap wall {n}: body {body} has a gap of {gap[body]:.3g} m",
+                "bodies start on the side of a wall where they stay",
+                "Move it, or turn the wall's normal, or change its side.",
+                value=tuple(float(f"{c:.6g}") for c in position[body]),
+                at=_place(groups, group, body),
+            )

@@ -4,6 +4,7 @@ Start with ``law.py`` (what a contact law is), ``soft_sphere.py`` (the linear sp
 motion over one time step), ``hard_sphere.py`` (collisions as impulses) and ``contacts.py`` (what holds them together).
 """
 
+from rdpm.contacts.adaptive import AdaptiveCollisionTime
 from rdpm.contacts.contacts import Contacts
 from rdpm.contacts.driver import ContactStep
 from rdpm.contacts.episodes import EPISODE
@@ -20,6 +21,7 @@ from rdpm.contacts.substeps import SubstepDriver
 __all__ = [
     "EPISODE",
     "PAIR",
+    "AdaptiveCollisionTime",
     "ContactLaw",
     "ContactStep",
     "Contacts",

@@ -90,11 +90,13 @@ class Contacts:
         self.bodies, self.box, self.law, self.lubrication = bodies, box, law, lubrication
         self.substeps_per_contact, self.overlap_limit = substeps_per_contact, overlap_limit
         self._neighbours, self._close = Neighbours(bodies, box), Neighbours(bodies, box)
-        self._lubrication_range = lubrication.largest_gap(0.5 * bodies.diameter) if lubrication and len(bodies) else 0.0
+        self._lubrication_range = 0.0
+        if lubrication and len(bodies):
+            self._lubrication_range = lubrication.largest_gap(0.5 * bodies.diameter, bool(box.walls))
         if viscosity is None and lubrication:
             viscosity = lubrication.viscosity
-        self._episodes, self._kinds = Episodes(bodies, box, viscosity), KindParameters(bodies, law)
-        self._history = History(len(bodies), law.driver.history)
+        self._episodes, self._kinds = Episodes(bodies, box, viscosity), KindParameters(bodies, law, len(box.walls))
+        self._history = History(len(bodies), law.driver.history, box.partners)
         self._table = self._table_of(np.empty((0, 2), np.int32))
 
     def advance(
@@ -225,7 +227,7 @@ class Contacts:
         states["end"][touching] = time
         states["rebound_speed"][touching] = np.nan
         self._episodes.add(self._history.ids, states, dt)
-        self._history = History(len(self.bodies), self.law.driver.history)
+        self._history = History(len(self.bodies), self.law.driver.history, self.box.partners)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """All that the next step needs beside the bodies, as copies.
@@ -256,7 +258,7 @@ class Contacts:
                 result[field] = state[f"{name}/{field}"]
             return result
 
-        history = self._history = History(len(self.bodies), self.law.driver.history)
+        history = self._history = History(len(self.bodies), self.law.driver.history, self.box.partners)
         history.ids = np.array(state["pairs"], np.int32).reshape(-1, 2)
         history.states = rows("state", history.states.dtype, len(history.ids))
         history.histories = rows("history", history.histories.dtype, len(history.ids))

@@ -28,7 +28,7 @@ EPISODE = np.dtype(
 )  # fmt: skip
 r"""A contact.
 
-``i``, ``j`` (-1..-6: a face of the box), ``kind`` ("sphere-sphere" or "sphere-wall"); ``start_s`` of the
+``i``, ``j`` (-1..-6: a face of the box; -8 and below: a wall within it), ``kind`` ("sphere-sphere" or "sphere-wall"); ``start_s`` of the
 touch; ``duration_s`` from the touch until the force vanished for the last time before the surfaces parted;
 ``steps``, that over the time step; ``max_overlap_fraction`` of the smaller diameter; normal speeds of
 approach at the touch and of rebound at the end; ``restitution``, their ratio (nan where the bodies did not

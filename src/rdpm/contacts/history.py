@@ -19,6 +19,8 @@ class History:
         Number of bodies.
     dtype : dtype
         Of what the law remembers.
+    partners : int
+        `rdpm.grid.Box.partners`: -partners is the lowest id of a wall.
 
     Attributes
     ----------
@@ -27,8 +29,8 @@ class History:
     histories : ndarray of `dtype`, (K,)
     """
 
-    def __init__(self, bodies: int, dtype: np.dtype[np.void]) -> None:
-        self._bodies = bodies
+    def __init__(self, bodies: int, dtype: np.dtype[np.void], partners: int = 7) -> None:
+        self._bodies, self._partners = bodies, partners
         self.ids: NDArray[np.int32] = np.empty((0, 2), np.int32)
         self.states: Rows = np.empty(0, STATE)
         self.histories: Rows = np.empty(0, dtype)
@@ -43,7 +45,9 @@ class History:
         return max(0.0, float(self.states["overlap"].max())) if len(self) else 0.0
 
     def _keys(self, ids: NDArray[np.int32]) -> NDArray[np.int64]:
-        result: NDArray[np.int64] = ids[:, 0] * np.int64(self._bodies + 6) + ids[:, 1] + 6
+        result: NDArray[np.int64] = (
+            ids[:, 0] * np.int64(self._bodies + self._partners) + ids[:, 1] + self._partners
+        )
         return result
 
     def carry_to(self, table: PairTable) -> NDArray[np.bool_]:

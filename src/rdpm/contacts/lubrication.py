@@ -61,7 +61,8 @@ class Lubrication:
     ----------
     .. [1] Jeffrey, Onishi, J. Fluid Mech. 139 (1984) 261-290, doi:10.1017/S0022112084000355.
     .. [2] Costa, Boersma, Westerweel, Breugem, Phys. Rev. E 92 (2015) 053012 (constant at small gaps, off in contact).
-    .. [3] Brenner, Chem. Eng. Sci. 16 (1961) 242-251; Cox, Brenner, Chem. Eng. Sci. 22 (1967) 1753-1777.
+    .. [3] Cox, Int. J. Multiphase Flow 1 (1974) 343-371, doi:10.1016/0301-9322(74)90019-6 (any two curved surfaces).
+    .. [4] Brenner, Chem. Eng. Sci. 16 (1961) 242-251; Cox, Brenner, Chem. Eng. Sci. 22 (1967) 1753-1777.
 
     Examples
     --------
@@ -101,9 +102,12 @@ class Lubrication:
         cut = self.pair_cutoff_gap or self.cutoff_gap
         return cut, self.pair_touching_gap or min(self._wall[1], cut)
 
-    def largest_gap(self, radius: Floats) -> float:
+    def largest_gap(self, radius: Floats, has_inner_walls: bool = False) -> float:
         """Gap beyond which no lubrication acts between bodies of these radii, (N,), and walls [m]."""
         largest = radius.max(keepdims=True, initial=0.0)
+        if has_inner_walls:
+            inner = self.rows_of_inner_walls(largest, np.zeros(1))["cutoff_gap"][0]
+            return max(self.largest_gap(radius), float(inner))
         walls, pairs = (self._gaps(largest, other)[0].max() for other in (np.array([np.inf]), largest))
         return float(max(walls, pairs))
 
@@ -137,6 +141,31 @@ class Lubrication:
         result["log"] = factor * radius_i * s * (t * t + 7.0 * t * s + s * s) / 5.0
         result["least_gap"] = self.roughness * np.minimum(radius_i, radius_j)
         result["cutoff_gap"], result["touching_gap"] = self._gaps(radius_i, radius_j)
+        return result
+
+    def rows_of_inner_walls(self, radius: Floats, curvature: Floats) -> Rows:
+        r"""Coefficients and gaps of spheres and walls within the box.
+
+        The squeezed film between a sphere and a cylinder has two radii, :math:`R_1=1/(1/a+\kappa)` across the axis and
+        :math:`R_2=a` along it, and :math:`12\pi\mu\sqrt{R_1R_2}/(1/R_1+1/R_2)` instead of :math:`6\pi\mu a^2` [3]_; the logarithmic term is that of a plane. Such a wall is held by markers, as a body is: the grid resolves
+        it as it resolves two bodies.
+
+        Parameters
+        ----------
+        radius : ndarray, (M,), [m]
+            > 0.
+        curvature : ndarray, (M,), [1/m]
+            Of the wall across its axis: 0 of a plane, negative where the sphere is inside; above -1/radius.
+
+        Returns
+        -------
+        ndarray of :data:`LUBRICATION`, (M,)
+        """
+        result = self.rows(radius, np.full_like(radius, np.inf))
+        across = 1.0 / (1.0 / radius + curvature)
+        result["inverse"] = 12.0 * np.pi * self.viscosity * np.sqrt(across * radius) / (1.0 / across + 1.0 / radius)
+        scale = np.ones_like(radius) if self.pair_radius is None else (radius / self.pair_radius) ** (2.0 / 3.0)
+        result["cutoff_gap"], result["touching_gap"] = (scale * length for length in self._pair)
         return result
 
     def resistance(self, gap: Floats, radius_i: float, radius_j: float) -> Floats:

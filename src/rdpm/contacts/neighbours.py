@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rdpm import _core
-from rdpm.conventions import NO_NEIGHBOUR
+from rdpm.conventions import FIRST_WALL, NO_NEIGHBOUR
 from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
@@ -47,7 +47,7 @@ class Neighbours:
         Returns
         -------
         ndarray of int32, (M, 2)
-            i and j > i, or j = -1..-6 for the faces of the box; a view that the next call overwrites.
+            i and j > i, or j < 0 for a wall (`rdpm.conventions`); a view that the next call overwrites.
         """
         b = self.bodies
         while True:
@@ -84,7 +84,7 @@ def nearest_gaps(bodies: Bodies, box: Box) -> tuple[Floats, NDArray[np.int64]]:
     gap : ndarray, (N,), [m]
         Negative in contact; inf where there is no other surface.
     neighbour : ndarray of int64, (N,)
-        Whose surface: a body, a face of the box (-1..-6), or `rdpm.conventions.NO_NEIGHBOUR`.
+        Whose surface: a body, a face of the box (-1..-6), a wall within it (-8 and below), or `rdpm.conventions.NO_NEIGHBOUR`.
 
     Examples
     --------
@@ -105,7 +105,7 @@ def gaps_and_rates(bodies: Bodies, box: Box, pairs: NDArray[np.int32]) -> tuple[
     bodies : Bodies
     box : Box
     pairs : ndarray of int32, (M, 2)
-        i and j, or -1..-6 for the faces of the box.
+        i and j, or j < 0 for a wall.
 
     Returns
     -------
@@ -124,7 +124,7 @@ def gaps_and_rates(bodies: Bodies, box: Box, pairs: NDArray[np.int32]) -> tuple[
     ([0.5, 1.5], [-0.2, 0.1])
     """
     i, j = pairs.T
-    size, period = box.table[:2]
+    size, period = np.array(box.size), box.period
     wall = j < 0
     other = np.where(wall, i, j)
     apart = bodies.position[i] - bodies.position[other]
@@ -133,8 +133,14 @@ def gaps_and_rates(bodies: Bodies, box: Box, pairs: NDArray[np.int32]) -> tuple[
     normal = apart / np.where(distance > 0.0, distance, 1.0)[:, None]
     rate = np.einsum("mx,mx->m", normal, bodies.velocity[i] - bodies.velocity[other])
     gap = distance - 0.5 * (bodies.diameter[i] + bodies.diameter[other])
-    face = np.where(wall, -1 - j, 0)
+    face = np.where(wall & (j > NO_NEIGHBOUR), -1 - j, 0)
     axis, is_upper = face // 2, face % 2 == 1
     at, speed = bodies.position[i, axis], bodies.velocity[i, axis]
     from_wall = np.where(is_upper, size[axis] - at, at) - 0.5 * bodies.diameter[i]
-    return np.where(wall, from_wall, gap), np.where(wall, np.where(is_upper, -speed, speed), rate)
+    gap, rate = np.where(wall, from_wall, gap), np.where(wall, np.where(is_upper, -speed, speed), rate)
+    for n, inner in enumerate(box.walls):
+        mine = j == FIRST_WALL - n
+        distance, away = inner.distance(bodies.position[i[mine]], period)
+        gap[mine] = distance - 0.5 * bodies.diameter[i[mine]]
+        rate[mine] = np.einsum("mx,mx->m", away, bodies.velocity[i[mine]])
+    return gap, rate

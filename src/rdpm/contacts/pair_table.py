@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from rdpm.conventions import FIRST_WALL, NO_NEIGHBOUR
 from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
@@ -44,7 +45,7 @@ def pairs_of(bodies: Bodies, box: Box, ids: NDArray[np.int32]) -> Rows:
     bodies : Bodies
     box : Box
     ids : ndarray of int32, (M, 2)
-        i and j, or -1..-6 for the faces of the box.
+        i and j, or -1..-6 for the faces of the box, -8 and below for the walls within it.
 
     Returns
     -------
@@ -66,8 +67,12 @@ def pairs_of(bodies: Bodies, box: Box, ids: NDArray[np.int32]) -> Rows:
     with np.errstate(divide="ignore"):
         result["reduced_mass"] = 1.0 / (inverse_mass[i] + np.where(wall, 0.0, inverse_mass[other]))
     result["reduced_radius"] = 1.0 / (curvature[i] + np.where(wall, 0.0, curvature[other]))
+    for n, inner in enumerate(box.walls):  # the mean of both principal curvatures' radii
+        mine = j == FIRST_WALL - n
+        result["reduced_radius"][mine] = (curvature[i[mine]] * (curvature[i[mine]] + inner.curvature)) ** -0.5
     result["smaller_diameter"] = np.minimum(bodies.diameter[i], bodies.diameter[other])
-    result["is_frictionless"] = wall & box.is_free_slip_face[np.where(wall, -1 - j, 0)]
+    is_face = wall & (j > NO_NEIGHBOUR)
+    result["is_frictionless"] = is_face & box.is_free_slip_face[np.where(is_face, -1 - j, 0)]
     return result
 
 
@@ -81,10 +86,12 @@ class KindParameters:
     bodies : Bodies
         N spheres; their diameters and masses stay.
     law : ContactLaw
+    walls : int
+        Within the box; each is of its own kind.
     """
 
-    def __init__(self, bodies: Bodies, law: _Law) -> None:
-        self._bodies, self._law = bodies, law
+    def __init__(self, bodies: Bodies, law: _Law, walls: int = 0) -> None:
+        self._bodies, self._law, self._walls = bodies, law, walls
         alike = np.unique(np.column_stack([bodies.diameter, bodies.mass]), axis=0, return_inverse=True)[1]
         self._alike: NDArray[np.int64] = alike.reshape(-1).astype(np.int64)
         self._forget()
@@ -116,8 +123,11 @@ class KindParameters:
         i, j = ids.T
         wall = j < 0
         body = 2 * self._alike + self._bodies.is_free
+        bodies = 2 * np.int64(len(self._bodies))
         partner = np.where(wall, pairs["is_frictionless"], 2 + body[np.where(wall, i, j)])
-        keys: NDArray[np.int64] = body[i] * (2 * np.int64(len(self._bodies)) + 2) + partner
+        inner = j <= FIRST_WALL
+        partner[inner] = bodies + 2 + FIRST_WALL - j[inner]
+        keys: NDArray[np.int64] = body[i] * (bodies + 2 + self._walls) + partner
         return keys
 
 
@@ -127,7 +137,7 @@ class PairTable:
     Parameters
     ----------
     ids : ndarray of int32, (M, 2)
-        Sorted by (i, j); j = -1..-6 for the faces of the box.
+        Sorted by (i, j); j < 0 for walls.
     bodies : Bodies
     box : Box
     law : ContactLaw
@@ -168,6 +178,10 @@ class PairTable:
         if lubrication:
             radius, (i, j) = 0.5 * bodies.diameter, ids.T
             self.lubrication = lubrication.rows(radius[i], np.where(j < 0, inf, radius[np.where(j < 0, i, j)]))
+            for n, wall in enumerate(box.walls):
+                mine = j == FIRST_WALL - n
+                own = radius[i[mine]]
+                self.lubrication[mine] = lubrication.rows_of_inner_walls(own, np.full_like(own, wall.curvature))
             self.lubrication[self.pairs["is_frictionless"]] = 0.0
 
     def __len__(self) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rdpm import _core
-from rdpm.conventions import FACES
+from rdpm.conventions import partner_name
 from rdpm.errors import OverlapError
 
 from .driver import ContactStep, ContactTask
@@ -86,7 +86,7 @@ class SubstepDriver:
 def pair_names(ids: NDArray[np.int32]) -> tuple[int, str]:
     """The first of a pair, and the second in words."""
     i, j = ids.tolist()
-    return i, f"the face {FACES[-1 - j]}" if j < 0 else f"body {j}"
+    return i, partner_name(j)
 
 
 def _overlap_error(task: ContactTask, pair: int, time: float) -> OverlapError:

@@ -70,5 +70,5 @@ class System:
 
     @property
     def force_on_fluid(self) -> Floats:
-        """Of all bodies over the last step, (3,) [N]."""
-        return self.immersed.applied_force.sum(axis=0) if self.immersed is not None else np.zeros(3)
+        """Of all bodies and walls within the box over the last step, (3,) [N]."""
+        return self.immersed.force_on_fluid if self.immersed is not None else np.zeros(3)

@@ -6,6 +6,8 @@ Pure functions in SI units; nothing here runs a simulation. Theory: docs/theory/
 from __future__ import annotations
 
 from rdpm.design import front_door
+from rdpm.design.adaptive import adaptive_collision, adaptive_overlap, adaptive_stiffness
+from rdpm.design.adaptive_design import AdaptiveDesign, adaptive_design
 from rdpm.design.dimensionless import (
     added_mass,
     legendre,
@@ -71,12 +73,17 @@ from rdpm.design.tangential import sliding_ratio
 soft_sphere = front_door.soft_sphere
 
 __all__ = [
+    "AdaptiveDesign",
     "Design",
     "FiniteContact",
     "HertzDesign",
     "RepulsiveDesign",
     "Verdict",
     "achieved_restitution",
+    "adaptive_collision",
+    "adaptive_design",
+    "adaptive_overlap",
+    "adaptive_stiffness",
     "added_mass",
     "closest_gap",
     "contact_parameters",

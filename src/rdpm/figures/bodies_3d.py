@@ -16,12 +16,13 @@ from numpy.typing import NDArray
 from rdpm.figures.style import PALETTE
 from rdpm.io.files import replacing
 from rdpm.io.sphere_surface import sphere_surface
+from rdpm.io.wall_surface import wall_surface
 from rdpm.results.run import Run, load_run
 
 __all__ = ["finish_rendering", "start_rendering"]
 
 Floats = NDArray[np.float64]
-_FEW = 8
+_FEW = 7
 _SECONDS = 60.0   # a software renderer takes three
 
 
@@ -82,6 +83,10 @@ def _render(run: Run, path: Path) -> None:
     plotter.set_background("white")
     edges = pyvista.Box((0, run.box[0], 0, run.box[1], 0, run.box[2])).outline()
     plotter.add_mesh(edges, color="#777777", line_width=2)
+    for wall in run.walls:
+        points, triangles = wall_surface(wall, run.box)
+        if len(triangles):
+            plotter.add_mesh(pyvista.PolyData.from_regular_faces(points, triangles.astype(int)), color="#999999", opacity=0.25)
     if count <= _FEW:
         moments = np.unique(np.linspace(0, len(position) - 1, 6).astype(int))
         for n in range(count):
@@ -96,6 +101,11 @@ def _render(run: Run, path: Path) -> None:
         inside = position[-1] - run.period * np.floor(position[-1] / np.where(run.periodic, run.box, np.inf))
         balls = _balls(inside, run.diameter)
         plotter.add_mesh(balls, color=PALETTE[0], smooth_shading=True, specular=0.3)
+    if run.gravity.any():
+        down = run.gravity / np.linalg.norm(run.gravity)
+        size = 0.12 * float(run.box.max())
+        arrow = pyvista.Arrow(tuple(-0.6 * size * np.ones(3) - 0.5 * size * down), down, scale=size)
+        plotter.add_mesh(arrow, color="#262626")
     plotter.camera_position = [(1.0, -1.9, 0.55), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
     plotter.enable_parallel_projection()
     plotter.reset_camera()

@@ -12,8 +12,8 @@ from rdpm.design._checks import Ending
 from rdpm.design.approaches import by_contact_steps, graphical
 from rdpm.design.soft_sphere import contact_time
 from rdpm.design.wording import speed_text, time_text
-from rdpm.figures.design_limits import column_chart, limits_map, line, own, produced_chart, trial_chart
-from rdpm.figures.style import ACCENT, save
+from rdpm.figures.design_limits import limits_map, line, own, produced_chart, trial_chart
+from rdpm.figures.style import ACCENT, column_chart, save
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,88 +11,18 @@ from rdpm.design.approaches import trial_and_error
 from rdpm.design.integrators import INTEGRATORS, produced_restitution
 from rdpm.design.overlap import largest_contact_time
 from rdpm.design.verdicts import LEAST_CONTACT_STEPS, MOST_CONTACT_STEPS
-from rdpm.figures.style import ACCENT, PALETTE, drawing
+from rdpm.figures.style import ACCENT, OWN, PALETTE, column_chart
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["column_chart", "limits_map", "line", "own", "produced_chart", "trial_chart"]
+__all__ = ["limits_map", "line", "own", "produced_chart", "trial_chart"]
 
 _MARKS = ("-", "--", "-.", ":")
-_COLUMN = 85.0 / 25.4  # width of a journal's column [in]
-# of text in print at that width [pt]
-_SMALL: Any = {
-    "font.size": 7.5, "axes.labelsize": 8, "axes.titlesize": 8, "xtick.labelsize": 7.5, "ytick.labelsize": 7.5,
-    "legend.fontsize": 7, "lines.linewidth": 1.2, "legend.handlelength": 2.2,
-}  # fmt: skip
-
-
-@contextmanager
-def column_chart(title: str, height: float = 3.3) -> Iterator[Figure]:
-    """Give a figure a column wide (85 mm) with its title; the legend of all its axes is set below on leaving.
-
-    Examples
-    --------
-    >>> with column_chart("stiffness") as figure:
-    ...     axes = figure.add_subplot()
-    >>> round(figure.get_figwidth() * 25.4)
-    85
-    """
-    import matplotlib
-    from matplotlib.transforms import ScaledTranslation
-
-    with drawing(_COLUMN, height) as figure, matplotlib.rc_context(_SMALL):
-        figure.set_dpi(300)
-        yield figure
-        figure.suptitle(title, fontsize=8.5)
-        # one entry a name; the user's own design last
-        named = {t: h for axes in figure.axes for h, t in zip(*axes.get_legend_handles_labels(), strict=True)}
-        names = sorted(named, key=lambda name: name == _OWN)
-        columns = 1 if any(len(name) > 26 for name in names) else 2 if any(len(name) > 14 for name in names) else 3
-        lowest = figure.axes[-1]
-        below = lowest.transAxes + ScaledTranslation(0.0, -32.0 / 72.0, figure.dpi_scale_trans)
-        lowest.legend(
-            [named[n] for n in names], names, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below,
-            borderaxespad=0.0, ncols=columns,
-        )  # fmt: skip
-        for axes in figure.axes:
-            _thin_ticks(axes.xaxis)
-            _thin_ticks(axes.yaxis)
-
-
-def _thin_ticks(axis: Any) -> None:
-    """Give a logarithmic axis ticks that are apart: decades, or 1, 2 and 5 of each where there are few."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    if axis.get_scale() != "log":
-        return
-    low, high = sorted(axis.get_view_interval())
-    decades = np.log10(high / low)
-    if decades < 2.5:
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: _tick_text(value)))
-    axis.set_minor_formatter(NullFormatter())
-
-
-def _tick_text(value: float) -> str:
-    """Say a tick of 1, 2 or 5 times a power of ten.
-
-    Examples
-    --------
-    >>> _tick_text(0.05), _tick_text(2e-5)
-    ('0.05', '$2\\\\cdot10^{-5}$')
-    """
-    if 1e-3 <= value < 1e5:
-        return f"{value:g}"
-    digits, power = f"{value:.0e}".split("e")
-    return rf"$10^{{{int(power)}}}$" if digits == "1" else rf"${digits}\cdot10^{{{int(power)}}}$"
-
-
 _SCHEMES = {
     "explicit-euler": "explicit Euler", "semi-implicit-euler": "semi-implicit Euler",
     "velocity-verlet": "velocity Verlet", "exact": "exact (rdpm)",
 }  # fmt: skip
-_OWN = "this design"
 
 
 def line(axes: Any, i: int, x: Any, y: Any, label: str, **more: Any) -> None:
@@ -107,7 +35,7 @@ def own(axes: Any, mark: tuple[float, float] | None) -> None:
     """Mark the user's own design; an undamped one has no place on a logarithmic axis of damping."""
     if mark is not None and not (axes.get_yscale() == "log" and mark[1] <= 0.0):
         star: Any = {"marker": "*", "ms": 10, "mfc": "#F0E442", "mec": "#262626", "mew": 0.8, "ls": "none"}
-        axes.plot(*mark, **star, label=_OWN, zorder=5, clip_on=False)
+        axes.plot(*mark, **star, label=OWN, zorder=5, clip_on=False)
 
 
 def trial_chart(

@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rdpm.figures.plane import Plane
-from rdpm.figures.style import FLOW_MAP, drawing, length_unit, save
+from rdpm.figures.marks import gravity_arrow
+from rdpm.figures.plane import Plane, draw_walls
+from rdpm.figures.style import COLUMN, FLOW_MAP, column_figure, length_unit
 from rdpm.io.vtkhdf import field_grid, field_times, read_plane
 from rdpm.results.tracks import Tracks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-__all__ = ["Slices", "body_positions", "load_slices", "periodic_copies", "plot_flow"]
+__all__ = ["Slices", "body_positions", "flow_chart", "load_slices", "nearest", "periodic_copies"]
 
 Floats = NDArray[np.float64]
 
@@ -84,22 +86,23 @@ def body_positions(tracks: Tracks, time: float) -> Floats:
     return np.asarray((1.0 - part) * tracks.position[after - 1] + part * tracks.position[after])
 
 
-def plot_flow(
-    path: str | Path,
+def flow_chart(
     slices: Slices,
     tracks: Tracks | None,
     diameter: ArrayLike,
     box: ArrayLike,
     period: ArrayLike,
     plane: Plane,
-    caption: str,
+    gravity: ArrayLike,
     at: ArrayLike | None = None,
-) -> Path:
-    """Speed (colour), velocity in the plane (arrows) and the bodies it cuts, at a few times, as PNG.
+) -> Figure:
+    """Speed (colour), velocity in the plane (arrows) and the bodies at it, at a few times.
+
+    Bodies that the plane cuts are filled where it cuts them, and outlined to their full size; those within half a
+    diameter of it are outlined alone.
 
     Parameters
     ----------
-    path : path
     slices : Slices
     tracks : Tracks or None
         Bodies to draw.
@@ -108,41 +111,76 @@ def plot_flow(
     period : array_like, (3,), [m]
         Length of the box along periodic directions, 0 along others.
     plane : Plane
-    caption : str
-        What was run.
+    gravity : array_like, (3,), [m/s^2]
+        Drawn as an arrow.
     at : array_like, optional, [s]
         Times; the nearest stored ones are drawn. Evenly spread when left out.
 
     Returns
     -------
-    pathlib.Path
+    matplotlib.figure.Figure
     """
     size, repeat = np.asarray(box, np.float64), np.asarray(period, np.float64)
     factor, unit = length_unit(size)
     width, height = factor * size[plane.across], factor * size[plane.up]
     follows = tracks is not None and 0 < tracks.count <= 8 and repeat[plane.up] == 0.0
     window = min(height, 2.0 * width) if follows else height   # of a tall tank the part around the bodies
-    steps = _steps(slices.times, at, int(np.clip(round(2.2 * window / width), 2, 5)))
-    tall = float(np.clip(1.7 * window / width, 2.6, 5.2))
+    across = 2 if window < 1.3 * width else 3
+    steps = _steps(slices.times, at, across if window > 1.3 * width else 2 * across)
+    down = -(-len(steps) // across)
+    room = (COLUMN - 0.5 - (0.3 if follows else 0.1) * (across - 1)) / across   # width of a panel [in]
+    tall = min(room * window / width, 3.6)
     speed_factor, speed_unit = length_unit(slices.top_speed)
-    with drawing(max(3.4, len(steps) * (tall * width / window + 0.2) + 1.5), tall + 0.9) as figure:
-        all_axes = figure.subplots(1, len(steps), sharey=not follows, squeeze=False)[0]
-        for axes, step in zip(all_axes, steps, strict=True):
-            image = _slice(axes, slices, step, width, height, speed_factor)
+    with column_figure("Flow", down * (tall + 0.25) + 1.45) as figure:
+        grid = figure.add_gridspec(down + 1, across, height_ratios=[*[tall] * down, 0.08])
+        panels = [figure.add_subplot(grid[divmod(n, across)]) for n in range(len(steps))]
+        for axes, step in zip(panels, steps, strict=True):
+            image, arrows = _slice(axes, slices, step, width, height, speed_factor)
+            draw_walls(axes, plane, size, factor)
             if tracks is not None:
                 centres = factor * body_positions(tracks, slices.times[step])
                 d = factor * np.asarray(diameter, np.float64)
-                _discs(axes, centres, d, factor * repeat, plane, factor * plane.position)
+                _spheres(axes, centres, d, factor * repeat, plane, factor * plane.position)
                 if follows:
                     middle = np.clip(centres[:, plane.up].mean(), 0.5 * window, height - 0.5 * window)
                     axes.set_ylim(middle - 0.5 * window, middle + 0.5 * window)
-            axes.set_title(f"t = {slices.times[step]:.3g} s")
-            axes.set_xlabel(f"{'xyz'[plane.across]} [{unit}]")
-        all_axes[0].set_ylabel(f"{'xyz'[plane.up]} [{unit}]")
+            axes.set_title(f"{slices.times[step]:.3g} s", pad=2)
+        _name_axes(panels, across, plane, unit, follows)
+        gravity_arrow(panels[0], gravity, plane)
         label = f"speed of the fluid [{speed_unit}/s]"
-        figure.colorbar(image, ax=list(all_axes), label=label, aspect=30, pad=0.02, shrink=0.85, extend="max")
-        where = f"Plane {'xyz'[plane.normal]} = {factor * plane.position:.3g} {unit}."
-        return save(figure, path, f"{caption}. {where}")
+        figure.colorbar(image, cax=figure.add_subplot(grid[-1, :]), orientation="horizontal", label=label, extend="max")
+        told, line = _round_speed(speed_factor * slices.top_speed), 1.0 - 0.09 / figure.get_figheight()
+        panels[0].quiverkey(
+            arrows, 0.93, line, told, f"{told:g} {speed_unit}/s", labelpos="W", coordinates="figure", labelsep=0.05
+        )
+    return figure
+
+
+def _round_speed(top: float) -> float:
+    """1, 2 or 5 times a power of ten, at most the top.
+
+    Examples
+    --------
+    >>> _round_speed(8.7), _round_speed(0.013)
+    (5.0, 0.01)
+    """
+    power = 10.0 ** np.floor(np.log10(max(top, 1e-12)))
+    return float(next(n * power for n in (5.0, 2.0, 1.0) if n * power <= top * (1.0 + 1e-9) or n == 1.0))
+
+
+def _name_axes(panels: list[Axes], across: int, plane: Plane, unit: str, follows: bool) -> None:
+    """Labels at the outer panels; numbers at the left of each where the panels show different heights."""
+    for n, axes in enumerate(panels):
+        axes.locator_params(axis="x", nbins=3)
+        axes.locator_params(axis="y", nbins=5)
+        if n % across == 0:
+            axes.set_ylabel(f"{'xyz'[plane.up]} [{unit}]")
+        elif not follows:
+            axes.tick_params(labelleft=False)
+        if n + across >= len(panels):
+            axes.set_xlabel(f"{'xyz'[plane.across]} [{unit}]")
+        else:
+            axes.tick_params(labelbottom=False)
 
 
 def _steps(times: Floats, at: ArrayLike | None, panels: int) -> NDArray[np.int64]:
@@ -151,43 +189,61 @@ def _steps(times: Floats, at: ArrayLike | None, panels: int) -> NDArray[np.int64
     return np.unique([int(np.argmin(np.abs(times - time))) for time in wanted])
 
 
-def _slice(axes: Axes, slices: Slices, step: int, width: float, height: float, factor: float) -> Any:
+def _slice(axes: Axes, slices: Slices, step: int, width: float, height: float, factor: float) -> tuple[Any, Any]:
+    """Draw one time: the image of the speed, and the arrows."""
     top = factor * max(slices.top_speed, 1e-12)
     image = axes.imshow(
         factor * slices.speed[step], origin="lower", extent=(0.0, width, 0.0, height), cmap=FLOW_MAP,
         vmin=0.0, vmax=top, interpolation="bilinear", aspect="equal",
     )
     rows, columns = slices.speed[step].shape
-    every = max(1, round(columns / 14))
+    every = max(1, round(columns / 12))
     i, k = np.arange(every // 2, columns, every), np.arange(every // 2, rows, every)
     u, w = (factor * part[step][np.ix_(k, i)] for part in (slices.across, slices.up))
     seen = np.hypot(u, w) > 0.03 * top   # arrows shorter than that are dots
     x, z = np.meshgrid((i + 0.5) * width / columns, (k + 0.5) * height / rows)
-    axes.quiver(
+    arrows = axes.quiver(
         x[seen], z[seen], u[seen], w[seen], angles="xy", scale_units="xy",
-        scale=top / (2.0 * every * width / columns), color="#333333", width=0.007, headwidth=4, alpha=0.8,
+        scale=top / (2.2 * every * width / columns), color="#262626", width=0.012, headwidth=3.5, headlength=4,
+        headaxislength=3.5, alpha=0.85,
     )
     axes.grid(visible=False)
     axes.set(xlim=(0.0, width), ylim=(0.0, height))
-    return image
+    return image, arrows
 
 
-def _discs(axes: Axes, centres: Floats, diameter: Floats, period: Floats, plane: Plane, depth: float) -> None:
-    """The circles in which the plane cuts the spheres, periodic images included."""
+def _spheres(axes: Axes, centres: Floats, diameter: Floats, period: Floats, plane: Plane, depth: float) -> None:
+    """The spheres whose surface is within half a diameter of the plane, periodic images included."""
     from matplotlib.collections import EllipseCollection
 
     axis = [plane.across, plane.up]
-    offset = centres[:, plane.normal] - depth
-    if period[plane.normal] > 0.0:
-        offset -= period[plane.normal] * np.rint(offset / period[plane.normal])
+    offset = np.abs(nearest(centres[:, plane.normal] - depth, period[plane.normal]))
+    near = offset <= diameter
     cut = 2.0 * np.sqrt(np.maximum(0.25 * diameter**2 - offset**2, 0.0))
+    is_cut = cut > 0.0
     for copy in periodic_copies(centres[:, axis], period[axis]):
-        axes.add_collection(
-            EllipseCollection(
-                cut, cut, np.zeros(len(cut)), units="xy", offsets=copy, offset_transform=axes.transData,
-                facecolors="#E69F00", edgecolors="#5a3d00", linewidths=0.6,
+        filled: Any = {"facecolors": "#E69F00", "edgecolors": "#5a3d00", "linewidths": 0.5}
+        outline: Any = {"facecolors": "none", "edgecolors": "#5a3d00", "linewidths": 0.4}
+        beside = (near & ~is_cut, diameter, outline | {"linestyles": ":"})
+        shapes = (beside, (is_cut, diameter, outline), (is_cut, cut, filled))
+        for kept, widths, look in shapes:
+            axes.add_collection(
+                EllipseCollection(
+                    widths[kept], widths[kept], np.zeros(int(kept.sum())), units="xy", offsets=copy[kept],
+                    offset_transform=axes.transData, **look,
+                )
             )
-        )
+
+
+def nearest(distance: Floats, period: float) -> Floats:
+    """Distances to the nearest image along a direction of this period; as they are where it is 0.
+
+    Examples
+    --------
+    >>> nearest(np.array([0.9, -0.4]), 1.0).round(6).tolist()
+    [-0.1, -0.4]
+    """
+    return distance - period * np.rint(distance / period) if period > 0.0 else distance
 
 
 def periodic_copies(points: Floats, period: Floats) -> list[Floats]:

@@ -34,7 +34,6 @@ figure { margin: 1.2rem 0; } figure img, figure video { display: block; max-widt
   margin: 0 auto 0.4rem; border-radius: 6px; background: #fff; border: 1px solid var(--line); }
 figure video { max-height: 88vh; }
 .row { display: flex; flex-wrap: wrap; gap: 1rem; } .row figure { flex: 1 1 14rem; margin: 0; }
- figure img.tall { max-height: 80vh; }
 .warnings { background: var(--warn); border-radius: 6px; padding: 0.6rem 1rem 0.6rem 2rem; }
 details { margin: 0.8rem 0; } pre { overflow-x: auto; background: var(--card); border: 1px solid var(--line);
   border-radius: 6px; padding: 0.8rem; font-size: 0.85rem; }
@@ -132,11 +131,24 @@ def folded(title: str, text: str) -> str:
     return f"<details><summary>{escape(title)}</summary><pre>{escape(text)}</pre></details>"
 
 
-def picture(path: Path, caption: str, tall: bool = False) -> str:
-    """A PNG file inside the page, with its caption; a tall one is kept within the window's height."""
-    look = ' class="tall"' if tall else ""
+def picture(path: Path, caption: str) -> str:
+    """A PNG file inside the page, with its caption; one for print is shown at 1.6 times its size on paper."""
+    width, inches = _png_width(path)
+    look = f' style="width: {min(width, round(150 * inches))}px"' if inches else ""
     image = f'<img{look} alt="{escape(caption)}" src="data:image/png;base64,{_embedded(path)}">'
     return f"<figure>{image}<figcaption>{escape(caption)}</figcaption></figure>"
+
+
+def _png_width(path: Path) -> tuple[int, float]:
+    """Pixels across, and inches on paper; 0 where the file does not say."""
+    with path.open("rb") as file:
+        head = file.read(256)
+    pixels = int.from_bytes(head[16:20], "big")
+    at = head.find(b"pHYs")
+    if at < 0:
+        return pixels, 0.0
+    a_metre = int.from_bytes(head[at + 4 : at + 8], "big")
+    return pixels, pixels / (0.0254 * a_metre) if a_metre else 0.0
 
 
 def video(path: Path, caption: str) -> str:

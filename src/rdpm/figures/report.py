@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from rdpm.errors import OutputError
-from rdpm.figures import page, plots
+from rdpm.figures import page, run_charts
 from rdpm.figures.bodies_3d import finish_rendering, start_rendering
-from rdpm.figures.flow import Slices, load_slices, plot_flow
+from rdpm.figures.contact_chart import contact_chart
+from rdpm.figures.flow import Slices, flow_chart, load_slices
+from rdpm.figures.paths import trajectory_chart
 from rdpm.figures.plane import Plane, viewing_plane
-from rdpm.figures.style import case_text
+from rdpm.figures.style import case_text, save
 from rdpm.figures.video import Scene, make_video
 from rdpm.io.files import replacing
 from rdpm.results.contacts import LEAST_STOKES, MOST_CONTACT_TIMES
@@ -21,7 +23,12 @@ from rdpm.results.dkt import KISS_GAP, TUMBLE_ANGLE
 from rdpm.results.run import Run, load_run
 from rdpm.results.summary import ContactDesign, PairDesign, Summary
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 __all__ = ["make_report"]
+
+FigureFormat = Literal["png", "pdf", "svg"]
 
 _PRESSED = (
     f"A contact is pressed where a flow or a load holds the bodies together: its Stokes number is below "
@@ -32,7 +39,11 @@ _DRY = "The target restitution is that of a dry contact; in a fluid it falls wit
 
 
 def make_report(
-    folder: str | Path, *, video: bool = True, progress: Callable[[str], None] | None = None
+    folder: str | Path,
+    *,
+    video: bool = True,
+    figure_format: FigureFormat | None = None,
+    progress: Callable[[str], None] | None = None,
 ) -> list[Path]:
     """Make ``figures/*.png``, ``video.mp4`` and ``report.html`` of a run's folder, anew each time.
 
@@ -45,6 +56,9 @@ def make_report(
         Of a run: with ``case.toml`` and ``summary.json`` at least.
     video : bool
         Whether to make the video, which takes longest.
+    figure_format : {"png", "pdf", "svg"}, optional
+        Beside the PNG files, which the page holds, the charts are written in this format for print; that of the case
+        (``output.figure_format``) when left out.
     progress : callable, optional
         Told in a line what is being made.
 
@@ -62,7 +76,7 @@ def make_report(
     """
     say = progress or (lambda _: None)
     run = load_run(folder)
-    plane = viewing_plane(run.tracks, run.box, run.gravity)
+    plane = viewing_plane(run.tracks, run.box, run.gravity, run.period, run.walls)
     figures = run.folder.figures
     try:
         figures.mkdir(exist_ok=True)
@@ -71,10 +85,16 @@ def make_report(
     has_bodies = run.tracks is not None and run.tracks.count > 0
     still = figures / "bodies_3d.png"
     renderer = start_rendering(run.folder.path, still) if has_bodies else None   # meanwhile the charts are drawn
+    kinds = dict.fromkeys(("png", figure_format or run.case.get("output", {}).get("figure_format", "png")))
     try:
         say("figures")
         slices = _moving(load_slices(run.fields, plane)) if run.fields else None
-        drawn, shown = _draw(run, plane, slices), None
+        drawn, extra, shown = [], [], None
+        about = case_text(run.title, run.case, run.summary, run.diameter)
+        for name, caption, figure in _charts(run, plane, slices):
+            for kind in kinds:
+                path = save(figure, figures / f"{name}.{kind}", f"{about}. {caption}")
+                (drawn.append((path, caption)) if kind == "png" else extra.append(path))
         if video:
             say("video")
             shown = _video(run, plane, slices, say)
@@ -86,51 +106,46 @@ def make_report(
         drawn.append((still, "Bodies and their paths; the latest time is the strongest."))
     say("report.html")
     _page(run, drawn, shown)
-    return [path for path, _ in drawn] + ([shown] if shown else []) + [run.folder.report]
+    return [path for path, _ in drawn] + extra + ([shown] if shown else []) + [run.folder.report]
 
 
-def _draw(run: Run, plane: Plane, slices: Slices | None) -> list[tuple[Path, str]]:
-    """Draw what the folder has data for: files and captions."""
-    about = case_text(run.title, run.case, run.summary, run.diameter)
-    drawn = []
-    tracks, figures = run.tracks, run.folder.figures
+def _charts(run: Run, plane: Plane, slices: Slices | None) -> Iterator[tuple[str, str, Figure]]:
+    """Draw what the folder has data for: name, caption and figure."""
+    tracks = run.tracks
     if slices is not None:
-        path = figures / "flow.png"
         at = _telling_times(run)
-        plot_flow(path, slices, tracks, run.diameter, run.box, run.period, plane, about, at)
-        drawn.append((path, "Speed of the fluid (colour) and velocity in the plane (arrows) at a few times."))
+        chart = flow_chart(slices, tracks, run.diameter, run.box, run.period, plane, run.gravity, at)
+        where = f"Plane {'xyz'[plane.normal]} = {1e3 * plane.position:.4g} mm"
+        near = "; spheres it cuts are filled, those within half a diameter of it dotted" if tracks is not None else ""
+        yield "flow", f"{where}{near}.", chart
     if tracks is not None and tracks.count:
-        path = figures / "settling_velocity.png"
-        plots.plot_velocity(path, tracks, run.gravity, about, run.phases)
-        drawn.append((path, "Velocity along gravity against time."))
-        path = plots.plot_trajectory(
-            figures / "trajectory.png", tracks, run.diameter, run.box, plane, about
-        )
-        drawn.append((path, "Paths, with the bodies to scale at a few times, and coordinates against time."))
+        chart = run_charts.velocity_chart(tracks, run.gravity, run.phases)
+        yield "settling_velocity", "Velocity along gravity." if run.gravity.any() else "Velocity along -z.", chart
+        chart = trajectory_chart(tracks, run.diameter, run.box, run.period, plane, run.gravity)
+        yield "trajectory", "Spheres to scale at a few times, the latest the strongest.", chart
+        beyond = " Continued beyond the box where it is periodic." if run.periodic.any() else ""
+        yield "positions", f"Centres.{beyond}", run_charts.positions_chart(tracks, run.box, run.period)
         if tracks.count == 2 or np.isfinite(tracks.gap).any():
-            path = plots.plot_gap(figures / "gap.png", tracks, run.diameter, about, run.phases, run.period)
-            drawn.append((path, "Gap in % of the diameter; logarithmic above 2 %, linear below."))
+            chart = run_charts.gap_chart(tracks, run.diameter, run.phases, run.period)
+            yield "gap", "Logarithmic above 2 % of the diameter, linear below.", chart
         if tracks.count == 2 and run.gravity.any():
-            path = figures / "angle.png"
-            plots.plot_angle(path, tracks, run.gravity, about, run.phases, run.period)
-            drawn.append((path, "Angle between the line of centres and gravity."))
+            chart = run_charts.angle_chart(tracks, run.gravity, run.phases, run.period)
+            yield "angle", "Angle between the line of centres and gravity.", chart
     if run.contacts is not None:
-        target = run.summary.contact.restitution
-        impacts = run.contacts | {"restitution": np.where(run.pressed, np.nan, run.contacts["restitution"])}
-        path = plots.plot_contacts(figures / "contacts.png", impacts, target, about)
-        drawn.append((path, f"Each contact from touch to end. {_DRY}"))
+        chart = contact_chart(run.contacts, run.pressed, run.summary.contact)
+        yield "contacts", "Each contact from touch to end.", chart
     if run.history is not None:
-        path = plots.plot_history(figures / "history.png", run.history, about)
-        drawn.append((path, "Energies, CFL number, divergence, slip and overlap: the health of the run."))
-    return drawn
+        chart = run_charts.history_chart(run.history, tracks)
+        yield "history", "Energies, CFL number, divergence, slip and overlap.", chart
 
 
 def _telling_times(run: Run) -> list[float] | None:
-    """Drafting, kiss, turning, tumble and end of a pair that does all that."""
+    """Drafting, kiss, turning, tumble, and two later times of a pair that does all that."""
     kiss, tumble = (run.phases.kiss_time_s, run.phases.tumble_time_s) if run.phases else (None, None)
     if kiss is None or tumble is None or run.tracks is None:
         return None
-    return [0.6 * kiss, kiss, 0.5 * (kiss + tumble), tumble, float(run.tracks.times[-1])]
+    end = float(run.tracks.times[-1])
+    return [0.6 * kiss, kiss, 0.5 * (kiss + tumble), tumble, 0.5 * (tumble + end), end]
 
 
 def _moving(slices: Slices) -> Slices | None:
@@ -152,8 +167,8 @@ def _video(run: Run, plane: Plane, slices: Slices | None, say: Callable[[str], N
 
 
 def _page(run: Run, drawn: Sequence[tuple[Path, str]], video: Path | None) -> None:
-    pictures = {path.name: page.picture(path, text, tall=path.stem == "bodies_3d") for path, text in drawn}
-    shown = [pictures.pop(name) for name in ("flow.png",) if name in pictures]
+    pictures = {path.name: page.picture(path, text) for path, text in drawn}
+    shown = [pictures.pop(name) for name in ("flow.png", "trajectory.png") if name in pictures]
     if video is not None:
         shown.insert(0, page.video(video, "The run: flow in a vertical plane, and the turning spheres."))
     parts = [
@@ -161,11 +176,11 @@ def _page(run: Run, drawn: Sequence[tuple[Path, str]], video: Path | None) -> No
         page.heading(run.title),
         page.paragraph(case_text("", run.case, run.summary, run.diameter)),
         page.note_list(run.summary.warnings),
-        page.section("What it shows", shown),
+        page.section("What it shows", [page.row(shown)]),
         page.section("Drafting, kissing, tumbling", [page.table(_phase_rows(run))]),
         page.section("Key numbers", [page.table(_key_rows(run))]),
         page.section("Contacts", _contact_parts(run)),
-        page.section("Figures", list(pictures.values())),
+        page.section("Figures", [page.row(list(pictures.values()))]),
         page.section("Where it comes from", [page.table(_origin_rows(run)), _case_file(run)]),
     ]
     with replacing(run.folder.report) as temporary:

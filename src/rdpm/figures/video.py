@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rdpm.figures.flow import Slices, body_positions, periodic_copies
-from rdpm.figures.plane import Plane
+from rdpm.figures.plane import WALL_COLOUR, Plane
 from rdpm.figures.style import FLOW_MAP, PALETTE, length_unit
 from rdpm.io.files import replacing
 from rdpm.results.tracks import Tracks
@@ -25,7 +25,7 @@ _HIGHEST, _WIDEST, _NARROWEST = 880, 880, 400   # pixels of the picture of the b
 _MANY = 300   # bodies above which only those that the plane cuts are drawn
 _BAR = 46    # pixels below the box for the colour scale
 _LINE = 19   # pixels a line of text
-_FEW = 8     # bodies drawn each in its colour and never pale
+_FEW = 7     # bodies drawn each in its colour and never pale
 _ENCODING = ["-crf", "22", "-preset", "veryfast", "-movflags", "+faststart"]
 _LIGHT = np.array([-0.45, 0.6, 0.66])   # from the upper left, towards the viewer
 
@@ -198,6 +198,8 @@ class _Canvas:
         if scene.slices is not None:
             rows, columns = scene.slices.speed.shape[1:]
             self.spread = _spread(rows, self.size[1]), _spread(columns, self.size[0])
+        columns, rows = ((np.arange(n) + 0.5) / self.scale for n in self.size)
+        self.beyond = plane.beyond_walls(columns, rows)[::-1] > 0.0
         face = font_manager.findfont("DejaVu Sans")
         self.fonts = ImageFont.truetype(face, 14), ImageFont.truetype(face, 12)
         self.body_colours = self._body_colours()
@@ -246,7 +248,7 @@ class _Canvas:
         """The flow at a time, rows from the top: (height, width, 3)."""
         slices = self.scene.slices
         if slices is None:
-            return np.full((self.size[1], self.size[0], 3), 244, np.uint8)
+            return self._with_walls(np.full((self.size[1], self.size[0], 3), 244, np.uint8))
         after = int(np.clip(np.searchsorted(slices.times, time), 0, len(slices.times) - 1))
         speed = slices.speed[after]
         if after > 0 and time < slices.times[after]:
@@ -255,7 +257,11 @@ class _Canvas:
         rows, columns = self.spread
         pixels = rows @ speed @ columns.T
         level = np.clip(pixels * (255.0 / max(self.top, 1e-12)), 0.0, 255.0).astype(np.uint8)
-        return np.asarray(self.colours[level[::-1]])
+        return self._with_walls(np.asarray(self.colours[level[::-1]]))
+
+    def _with_walls(self, picture: Pixels) -> Pixels:
+        picture[self.beyond] = [int(WALL_COLOUR[i : i + 2], 16) for i in (1, 3, 5)]
+        return picture
 
     def draw_spheres(self, picture: Pixels, centres: Floats, turned: Floats) -> None:
         """Draw the spheres, far ones first; those the plane does not cut are pale in a crowd, left out in a mass."""

@@ -8,8 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm.conventions import BOUNDARY_KINDS, FACES, BoundaryKind
+from rdpm.conventions import BOUNDARY_KINDS, FACES, NO_NEIGHBOUR, BoundaryKind
 from rdpm.errors import CaseError
+from rdpm.surfaces import Surface
 
 __all__ = ["Box"]
 
@@ -27,6 +28,8 @@ class Box:
         a wall does, but without friction and lubrication.
     wall_velocity : ndarray, (6, 3), [m/s]
         Tangential velocity of each face in the order of `rdpm.conventions.FACES`: x_lower, x_upper, y_lower, ...
+    walls : tuple of Plane or Cylinder
+        Within the box. Wall n is partner `rdpm.conventions.FIRST_WALL` - n of a body.
 
     Raises
     ------
@@ -45,6 +48,7 @@ class Box:
     size: tuple[float, float, float]
     kinds: tuple[BoundaryKind, BoundaryKind, BoundaryKind] = ("wall", "wall", "wall")
     wall_velocity: NDArray[np.float64] = field(default_factory=lambda: np.zeros((6, 3)))
+    walls: tuple[Surface, ...] = ()
 
     def __post_init__(self) -> None:
         for axis, (length, kind) in enumerate(zip(self.size, self.kinds, strict=True)):
@@ -84,6 +88,15 @@ class Box:
 
     @cached_property
     def table(self) -> NDArray[np.float64]:
-        """Size, period (0: not periodic) and the faces' velocities, as the contact kernels read them: (8, 3)."""
-        period = np.where(self.is_periodic, self.size, 0.0)
-        return np.vstack([self.size, period, self.wall_velocity])
+        """Size, period, the faces' velocities, then the walls, as the contact kernels read them: (8 + 5 walls, 3)."""
+        return np.vstack([self.size, self.period, self.wall_velocity, *(wall.row for wall in self.walls)])
+
+    @cached_property
+    def period(self) -> NDArray[np.float64]:
+        """Length along periodic directions, 0 along others: (3,) [m]."""
+        return np.where(self.is_periodic, self.size, 0.0)
+
+    @property
+    def partners(self) -> int:
+        """The lowest id of a wall is -partners."""
+        return len(self.walls) - NO_NEIGHBOUR

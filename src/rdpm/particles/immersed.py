@@ -14,6 +14,7 @@ from rdpm.particles.calibration import CALIBRATION, Calibration
 from rdpm.particles.markers import MarkerSet
 from rdpm.particles.rigid_motion import RigidMotion
 from rdpm.particles.state import Bodies
+from rdpm.particles.walls import WallMarkers
 
 __all__ = ["ImmersedBodies"]
 
@@ -41,6 +42,8 @@ class ImmersedBodies:
     Attributes
     ----------
     markers : MarkerSet
+    walls : WallMarkers
+        Of the walls within the box.
     motion : RigidMotion
     load : ndarray, (N, 6), [N], [N m]
         Non-contact force and torque on each body, held over the sub-steps of the coming step.
@@ -63,7 +66,7 @@ class ImmersedBodies:
         has_variable_steps: bool = False,
     ) -> None:
         self.bodies, self.calibration, self.has_variable_steps = bodies, calibration, has_variable_steps
-        self.markers = MarkerSet(bodies, fluid.grid, calibration)
+        self.markers, self.walls = MarkerSet(bodies, fluid.grid, calibration), WallMarkers(fluid.grid, calibration)
         self.motion = RigidMotion(bodies, fluid.density, self.markers.h, gravity, calibration)
         self.slip = self.pass_seconds = 0.0
         self.slip_square = np.zeros(len(bodies))
@@ -90,6 +93,12 @@ class ImmersedBodies:
         """Of the bodies on the fluid over the last step, (N, 3) [N]."""
         return self.motion.applied_force
 
+    @property
+    def force_on_fluid(self) -> Floats:
+        """Of bodies and walls together over the last step, (3,) [N]."""
+        total: Floats = self.applied_force.sum(axis=0)
+        return total + self.walls.force_on_fluid if len(self.walls) else total
+
     def interior_momentum(self, fluid: Fluid) -> Floats:
         """Momentum and angular momentum of the fluid inside each body, (N, 6) [kg m/s], [kg m^2/s]."""
         return self.motion.momentum(self.markers.interior_motion(fluid.velocity, self.bodies))
@@ -106,7 +115,10 @@ class ImmersedBodies:
         """
         bodies, markers = self.bodies, self.markers
         markers.place(bodies.position, bodies.orientation)
-        markers.exclude(bodies, close_pairs(markers.exclusion_range), self.retained_fraction(fluid, dt))
+        close = close_pairs(markers.exclusion_range)
+        markers.exclude(bodies, close, self.retained_fraction(fluid, dt))
+        if len(self.walls):
+            self.walls.exclude(bodies, close, self.retained_fraction(fluid, dt))
 
     def spread_lagged_force(self, fluid: Fluid, dt: float, is_isolated: bool) -> float:
         """Spread the lagged forces into the fluid's tendency; returns the unretained part, a fraction of them.
@@ -126,6 +138,9 @@ class ImmersedBodies:
         if self.has_variable_steps and is_isolated:
             markers.place(bodies.position - 0.5 * dt * bodies.velocity, bodies.orientation)
         markers.spread(target, markers.force, (1.0 + unretained) * factor)
+        if len(self.walls):
+            self.walls.begin(dt)
+            self.walls.spread(target, (1.0 + unretained) * factor)
         if self.has_variable_steps and is_isolated:
             markers.place(bodies.position, bodies.orientation)
         return unretained
@@ -134,6 +149,8 @@ class ImmersedBodies:
         """Change the predicted velocity: take back this fraction of the lagged forces' impulse."""
         if unretained:
             self.markers.spread(fluid.velocity, self.markers.force, -unretained * dt)
+            if len(self.walls):
+                self.walls.spread(fluid.velocity, -unretained * dt)
 
     def impose_no_slip(self, fluid: Fluid, dt: float, before: Floats, impulse: Floats) -> None:
         """Change the fluid velocity to no-slip on the bodies, and the free bodies' velocities with it.
@@ -165,6 +182,8 @@ class ImmersedBodies:
             change, sums = markers.force_rigid(bodies, dt)
             applied += density * sums[:, :6]
             markers.spread(fluid.velocity, change, 1.0)
+            if len(self.walls):
+                self.walls.impose_no_slip(fluid.velocity, dt)
         self.pass_seconds += perf_counter() - began
         self.slip_square = sums[:, 6]
         self.slip = float(np.sqrt(self.slip_square.sum() / len(markers))) if len(markers) else 0.0
@@ -177,6 +196,8 @@ class ImmersedBodies:
         `before` and `impulse` are those of `impose_no_slip`.
         """
         self.markers.store_force(self.bodies.orientation, self.retained_fraction(fluid, dt))
+        if len(self.walls):
+            self.walls.close(fluid.density, dt, self.retained_fraction(fluid, dt))
         self.motion.close(self.markers.interior_motion(fluid.velocity, self.bodies))
         change = self.bodies.velocities - before
         self.load = (np.repeat(self.inertia, 3, axis=1) * change - impulse) / dt
@@ -185,12 +206,13 @@ class ImmersedBodies:
     def state(self) -> dict[str, NDArray[Any]]:
         """All that the next step takes from the last one, beside the bodies and the fluid."""
         own = {"slip": np.array(self.slip), "load": self.load}
-        return {**self.markers.state(), **self.motion.state(), **own}
+        return {**self.markers.state(), **self.motion.state(), **self.walls.state(), **own}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Take over what `state` gave; the bodies are restored before."""
         self.markers.restore(state)
         self.motion.restore(state)
+        self.walls.restore(state)
         self.slip, self.load = float(state["slip"]), np.array(state["load"])
         self.markers.place(self.bodies.position, self.bodies.orientation)
         self.inertia = self._contact_inertia()

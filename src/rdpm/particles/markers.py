@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rdpm import _core
+from rdpm.conventions import FIRST_WALL
 from rdpm.grid import Grid
 from rdpm.particles.calibration import CALIBRATION, Calibration
 from rdpm.particles.seeding import marker_count, sphere_points
 from rdpm.particles.state import Bodies
+from rdpm.particles.walls import left_to_marker
 
 __all__ = ["MarkerSet"]
 
@@ -183,7 +185,7 @@ class MarkerSet:
         ----------
         bodies : Bodies
         close : ndarray of int32, (P, 2)
-            Pairs of bodies whose surfaces are close; a negative second id is a face of the box.
+            Pairs of bodies whose surfaces are close; a negative second id is a wall.
         least : float, [-]
             Fraction left to markers within `exclusion_near` cells of the other surface; all from `exclusion_far` cells
             on; inside it, down to none one cell deep.
@@ -197,8 +199,17 @@ class MarkerSet:
         others = len(bodies) - (self.first.size - 1)
         first = np.concatenate([self.first, np.repeat(self.first[-1:], others)]) if others else self.first
         solid = [kind == "wall" for kind in grid.boundary]
+        within = close[:, 1] <= FIRST_WALL
+        bodies_and_faces = close if not within.any() else close[~within]
         _core.exclude_markers(
-            grid.size, grid.is_periodic, solid, (c.exclusion_near * h, c.exclusion_far * h, least, h), close,
+            grid.size, grid.is_periodic, solid, (c.exclusion_near * h, c.exclusion_far * h, least, h), bodies_and_faces,
             first, self.position, bodies.position, 0.5 * bodies.diameter, self.full_volume, grid.threads,
             self.volume,
         )  # fmt: skip
+        for n, wall in enumerate(grid.box.walls):
+            near = np.zeros(len(bodies), np.bool_)
+            near[close[close[:, 1] == FIRST_WALL - n, 0]] = True
+            at = np.flatnonzero(near[self.body])
+            distance = wall.distance(self.position[at], grid.box.period)[0]
+            left = self.full_volume[at] * left_to_marker(distance / h, c, least)
+            self.volume[at] = np.minimum(self.volume[at], left)

@@ -81,6 +81,12 @@ class SharedBodies:
         return self.part.markers
 
     @property
+    def force_on_fluid(self) -> Floats:
+        """Of all bodies over the last step, (3,) [N]."""
+        total: Floats = self.applied_force.sum(axis=0)
+        return total
+
+    @property
     def here(self) -> NDArray[np.int64]:
         """Ids of the bodies that this rank works on, rising."""
         return self._sharing.here

@@ -18,6 +18,7 @@ from rdpm.results.dkt import DktPhases, from_particles_table
 from rdpm.results.run_folder import RunFolder
 from rdpm.results.summary import Summary, read_summary
 from rdpm.results.tracks import Tracks, tracks_from_table
+from rdpm.surfaces import Surface, surface_of
 
 __all__ = ["Run", "load_run"]
 
@@ -68,6 +69,11 @@ class Run:
             return np.zeros(0, np.bool_)
         kind, stokes, duration = (self.contacts[name] for name in ("kind", "stokes_number", "duration_s"))
         return is_pressed(kind, stokes, duration, self.summary.contact.contact_times)
+
+    @property
+    def walls(self) -> tuple[Surface, ...]:
+        """Within the box."""
+        return tuple(surface_of(wall) for wall in self.case.get("walls", ()))
 
     @property
     def period(self) -> Floats:

@@ -69,6 +69,11 @@ class RunFolder:
         return self.path / "bodies.vtkhdf"
 
     @property
+    def walls(self) -> Path:
+        """The walls within the box as surfaces, as VTKHDF."""
+        return self.path / "walls.vtkhdf"
+
+    @property
     def checkpoints(self) -> Path:
         """The folder of checkpoints."""
         return self.path / "checkpoints"

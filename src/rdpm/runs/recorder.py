@@ -16,8 +16,9 @@ from rdpm.errors import OutputError
 from rdpm.io.files import reporting
 from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, TableWriter
 from rdpm.io.vtkhdf import BodyWriter, FieldWriter
+from rdpm.io.wall_surface import write_walls
 from rdpm.parallel.gather import Planes, with_planes
-from rdpm.parallel.ranks import OnRoot
+from rdpm.parallel.ranks import OnRoot, on_root
 from rdpm.results.contacts import is_pressed
 from rdpm.results.run_folder import TABLES, RunFolder
 from rdpm.simulation.schedule import Every
@@ -85,6 +86,9 @@ class Recorder:
                 self._flow = OnRoot(ranks, lambda: _continued(
                     folder.fields, until, note, lambda path, keep: FieldWriter(path, cells, spacing, keep)
                 ))
+            box = simulation.system.contacts.box
+            if fields_every > 0.0 and box.walls:
+                on_root(ranks, lambda: write_walls(folder.walls, box.walls, box.size))
             if fields_every > 0.0 and len(bodies):
                 self._shapes = OnRoot(ranks, lambda: _continued(folder.bodies, until, note, BodyWriter))
             self._particles, self._contacts, self._history, self._timing = writers.values()

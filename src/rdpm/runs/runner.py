@@ -133,7 +133,8 @@ def _is_untouched(files: RunFolder) -> bool:
     if files.checkpoint_files():
         return False
     # The first checkpoint is written before the first step: what is there without one holds no result.
-    first = {files.case, files.log, files.lock, files.checkpoints, files.fields, files.bodies, *files.tables}
+    shapes = {files.fields, files.bodies, files.walls}
+    first = {files.case, files.log, files.lock, files.checkpoints, *shapes, *files.tables}
     if all(path in first or path.name.startswith(".") for path in files.path.iterdir()):
         return True
     raise CheckpointError(

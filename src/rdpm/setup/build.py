@@ -13,6 +13,7 @@ from rdpm.config.load import load_case
 from rdpm.contacts import Contacts, Lubrication
 from rdpm.coupling.mean_flow import MeanFlow
 from rdpm.coupling.system import System
+from rdpm.errors import CaseError
 from rdpm.fluid import Fluid
 from rdpm.grid import Box, Grid
 from rdpm.parallel.decomposition import Slab, cut, slabs
@@ -85,7 +86,7 @@ def _system(made: Plan, threads: int, calibration: Calibration, ranks: Ranks) ->
     case, fluid = made.case, made.case.fluid
     bodies, prescription = _bodies(case)
     domain = case.domain
-    box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities))
+    box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities), tuple(w.surface for w in case.walls))
     gravity = np.array(domain.gravity)
     if fluid is None or made.cells is None:
         contacts = _contacts(made, bodies, box, None, calibration)
@@ -99,7 +100,7 @@ def _system(made: Plan, threads: int, calibration: Calibration, ranks: Ranks) ->
         lubrication = lubrication_correction(fluid.mu, h, case.contact.lubrication_roughness, calibration)
     contacts = _contacts(made, bodies, box, lubrication, calibration)
     immersed: ImmersedBodies | SharedBodies | None = None
-    if len(bodies):
+    if len(bodies) or box.walls:
         kind = ImmersedBodies if ranks.size == 1 else SharedBodies
         immersed = kind(bodies, flow, gravity, calibration, made.step.longest is not None)
     initial = np.array(fluid.initial_velocity)
@@ -111,6 +112,11 @@ def _slab(made: Plan, bodies: Bodies, box: Box, ranks: Ranks) -> Slab | None:
     """The planes of this rank."""
     if ranks.size == 1 or made.cells is None:
         return None
+    if box.walls:
+        raise CaseError(
+            "walls", f"{len(box.walls)} within the box", "must not be, in a fluid on several MPI ranks",
+            "their markers are worked on by one process", "Start one process, with --threads.",
+        )  # fmt: skip
     return slabs(cut(np.ones(made.cells[2]), ranks.size), box.is_periodic[2])[ranks.rank]
 
 

@@ -14,6 +14,7 @@ from rdpm import design
 from rdpm.config.case import Case
 from rdpm.contacts import ContactLaw, SoftSphere
 from rdpm.design.verdicts import LEAST_CONTACT_STEPS
+from rdpm.setup.adaptive import adaptive_designs, adaptive_law, adaptive_limit
 from rdpm.setup.hard_sphere import hard_sphere
 from rdpm.setup.hertz import hertz_designs, hertz_law, hertz_limit
 from rdpm.setup.kinds import Kind
@@ -25,7 +26,7 @@ __all__ = ["AUTO_OVERLAP", "PairKind", "contact_law", "contact_limit", "pairs"]
 AUTO_OVERLAP = 0.025
 
 Floats = NDArray[np.float64]
-AnyDesign: TypeAlias = design.Design | design.HertzDesign | design.RepulsiveDesign
+AnyDesign: TypeAlias = design.Design | design.AdaptiveDesign | design.HertzDesign | design.RepulsiveDesign
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class PairKind:
     ----------
     kind : str
         "sphere-sphere" or "sphere-wall", with the groups where there are several.
-    design : Design, HertzDesign or RepulsiveDesign
+    design : Design, AdaptiveDesign, HertzDesign or RepulsiveDesign
         The numbers, from the one module that computes them.
     """
 
@@ -127,6 +128,8 @@ def _soft_sphere_limit(case: Case, kinds: list[Kind], fall: float) -> float:
     if contact.way != "contact-steps":
         law = _soft_sphere_law(case, math.nan)
         return float(law.resolved_time(mass, diameter).min()) / LEAST_CONTACT_STEPS
+    if contact.adaptive_collision_time:
+        return adaptive_limit(case, kinds, fall, AUTO_OVERLAP)
     if fall == 0.0:
         return math.inf
     # Contact time in which a dry impact at the bodies' own speed reaches the overlap allowed.
@@ -135,11 +138,13 @@ def _soft_sphere_limit(case: Case, kinds: list[Kind], fall: float) -> float:
     return float(longest) / float(contact.contact_steps or LEAST_CONTACT_STEPS)
 
 
-def _soft_sphere_law(case: Case, dt: float) -> SoftSphere:
+def _tangential_ratio(case: Case) -> float:
     c = case.contact
-    ratio = c.tangential_ratio
-    if ratio is None:
-        ratio = float(design.ratio_from_poisson(c.poisson_ratio or 0.0))
+    return float(design.ratio_from_poisson(c.poisson_ratio or 0.0)) if c.tangential_ratio is None else c.tangential_ratio
+
+
+def _soft_sphere_law(case: Case, dt: float) -> SoftSphere:
+    c, ratio = case.contact, _tangential_ratio(case)
     # What a way needs is there: the case was refused without it.
     given = {name: float(getattr(c, name) or 0.0) for name in ("restitution", "stiffness", "impact_speed")}
     surface = (c.ending, c.friction, ratio)
@@ -153,7 +158,9 @@ def _soft_sphere_law(case: Case, dt: float) -> SoftSphere:
     return SoftSphere.from_stiffness(given["stiffness"], None, given["restitution"], *surface)
 
 
-def _soft_sphere_designs(case: Case, kinds: list[Kind], dt: float, fall: float) -> list[design.Design]:
+def _soft_sphere_designs(case: Case, kinds: list[Kind], dt: float, fall: float) -> Sequence[AnyDesign]:
+    if case.contact.adaptive_collision_time:
+        return adaptive_designs(case, kinds, dt, fall)
     law = _soft_sphere_law(case, dt)
     stiffness, damping = law.normal(*_columns(kinds))
     fluid: dict[str, Any] = {"fluid_density": case.fluid.density, "viscosity": case.fluid.mu} if case.fluid else {}
@@ -182,7 +189,11 @@ def _columns(kinds: list[Kind]) -> tuple[Floats, Floats]:
 _MODELS = {
     "soft-sphere": _Model(
         lambda case, kinds, fall, h: _soft_sphere_limit(case, kinds, fall),
-        lambda case, dt, fall, h: _soft_sphere_law(case, dt),
+        lambda case, dt, fall, h: (
+            adaptive_law(case, dt, fall, _tangential_ratio(case))
+            if case.contact.adaptive_collision_time
+            else _soft_sphere_law(case, dt)
+        ),
         lambda case, kinds, dt, fall, h: _soft_sphere_designs(case, kinds, dt, fall),
     ),
     "hertz": _Model(

@@ -14,11 +14,11 @@ from rdpm.design.verdicts import LEAST_CONTACT_STEPS
 from rdpm.errors import CaseError
 from rdpm.setup.kinds import Kind
 
-__all__ = ["hertz_designs", "hertz_law", "hertz_limit"]
+__all__ = ["hertz_designs", "hertz_law", "hertz_limit", "impact_speed"]
 
 
-def _impact_speed(case: Case, fall: float) -> tuple[float, str]:
-    """The speed that the step resolves, and where it comes from."""
+def impact_speed(case: Case, fall: float) -> tuple[float, str]:
+    """The impact speed in the worst case [m/s], and where it comes from."""
     if case.contact.impact_speed is not None:
         return float(case.contact.impact_speed), "as given"
     drop = 0.0
@@ -28,8 +28,8 @@ def _impact_speed(case: Case, fall: float) -> tuple[float, str]:
     speed = math.hypot(fall, math.sqrt(drop))
     if speed == 0.0:
         raise CaseError(
-            "contact.impact_speed", None, 'is missing for model = "hertz"',
-            "no body moves or falls, and a Hertz contact is the shorter the faster its impact", "Give it.",
+            "contact.impact_speed", None, f'is missing for model = "{case.contact.model}"',
+            "no body moves or falls, and such a contact depends on the speed of its impact", "Give it.",
         )  # fmt: skip
     return speed, "the bodies' own" if drop == 0.0 else "of a fall through the box"
 
@@ -52,7 +52,7 @@ def hertz_law(case: Case, fall: float) -> Hertz:
     CaseError
         No speed is known.
     """
-    c, speed = case.contact, _impact_speed(case, fall)[0]
+    c, speed = case.contact, impact_speed(case, fall)[0]
     # The material is there: the case was refused without it.
     material = (float(c.youngs_modulus or 0.0), float(c.poisson_ratio or 0.0), float(c.restitution or 0.0))
     return Hertz(*material, speed, c.ending, c.friction)
@@ -67,7 +67,7 @@ def hertz_limit(case: Case, kinds: list[Kind], fall: float) -> float:
 
 def hertz_designs(case: Case, kinds: list[Kind], dt: float, fall: float) -> list[design.HertzDesign]:
     """Design the contact of each kind of pair at the impact speed."""
-    c, (speed, source) = case.contact, _impact_speed(case, fall)
+    c, (speed, source) = case.contact, impact_speed(case, fall)
     fluid: dict[str, Any] = {"fluid_density": case.fluid.density, "viscosity": case.fluid.mu} if case.fluid else {}
     return [
         design.hertz_design(

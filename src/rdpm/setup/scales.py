@@ -60,6 +60,9 @@ def scales(case: Case) -> Scales:
         if not isinstance(motion, str):
             values = getattr(motion.velocity, "values", (motion.velocity,))
             given.append(np.abs(np.array(values)).max(axis=0, keepdims=True))
+    for wall in case.walls:
+        turning = 0.5 * (wall.diameter or 0.0) * abs(wall.angular_velocity or 0.0)
+        speed = np.maximum(speed, np.abs(wall.velocity) + turning)
     fluid = case.fluid
     if fluid is not None:
         speed = speed + np.abs(fluid.initial_velocity)

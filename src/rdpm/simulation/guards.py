@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rdpm.contacts.neighbours import gaps_and_rates
-from rdpm.conventions import FACES
+from rdpm.conventions import partner_name
 from rdpm.coupling.system import System
 from rdpm.errors import BodyLeftError, CflError, DivergenceError, NanError, OverlapError
 
@@ -97,7 +97,7 @@ def _check_prescribed(system: System, when: str) -> None:
         return
     i, j = (int(n) for n in pairs[worst])
     raise OverlapError(
-        f"overlap guard, {when}: body {i} and {f'the face {FACES[-1 - j]}' if j < 0 else f'body {j}'}",
+        f"overlap guard, {when}: body {i} and {partner_name(j)}",
         f"{100.0 * depth[worst]:.3g} % of the diameter",
         f"must stay below {100.0 * PRESCRIBED_OVERLAP:g} %",
         "no contact acts where neither can give way: the motion of both is prescribed",

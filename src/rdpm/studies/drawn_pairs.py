@@ -66,7 +66,7 @@ def draw_trajectory(results: StudyResults, folder: Path) -> list[Picture]:
     """Paths of both spheres in the plane they move in, to scale."""
     sweep, pairs = sweep_of(results), []
     runs = sweep.runs()
-    plane = viewing_plane(runs[0].tracks, runs[0].box, runs[0].gravity)
+    plane = viewing_plane(runs[0].tracks, runs[0].box, runs[0].gravity, runs[0].period, runs[0].walls)
     chosen = np.unique(np.linspace(0, len(runs) - 1, min(len(runs), _PANELS)).round().astype(int))
     for n in chosen:
         run, tracks = runs[n], _pair(runs[n])

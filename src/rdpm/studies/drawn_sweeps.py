@@ -195,7 +195,7 @@ def draw_videos(results: StudyResults, folder: Path) -> list[Picture]:
         own = results.run_folder(str(row["run"]), str(row["study"]))
         start = by_name.get(starts[own].start)
         flow = load_flow(own, results.folder.work(start).path if start else None)
-        plane = flow[0] if flow else viewing_plane(run.tracks, run.box, run.gravity)
+        plane = flow[0] if flow else viewing_plane(run.tracks, run.box, run.gravity, run.period, run.walls)
         title = (f"{parameter(sweep.key).plain} = {row[sweep.key]:g} {parameter(sweep.key).unit}" if sweep.key
                  else str(row["run"]))  # fmt: skip
         scenes.append(Scene(title, run.box, run.period, plane, run.diameter, run.tracks, flow[1] if flow else None))

@@ -28,7 +28,7 @@ def keep_plane(files: RunFolder) -> None:
     run = load_run(files.path)
     if run.fields is None:
         return
-    plane = viewing_plane(run.tracks, run.box, run.gravity)
+    plane = viewing_plane(run.tracks, run.box, run.gravity, run.period, run.walls)
     slices = load_slices(run.fields, plane)
     with replacing(files.path / _NAME) as temporary, open(temporary, "wb") as file:
         np.savez_compressed(

@@ -90,7 +90,7 @@ def do_job(folder: StudyFolder, job: Job, threads: int | None = None, tell: Tell
         keep_plane(files)
     folder.write_record(job, record)
     if is_reduced:
-        for path in (files.fields, files.bodies):
+        for path in (files.fields, files.bodies, files.walls):
             path.unlink(missing_ok=True)
     if record.status == DONE and not job.is_start:
         shutil.rmtree(files.checkpoints, ignore_errors=True)

@@ -104,7 +104,7 @@ class EventLoop {
         }
         double wait = kNever;
         if (p.j < 0) {
-            wait = first_zero(-g.overlap, dot(u, g.n), dot(a, g.n));
+            wait = time_to_wall(task_.box, static_cast<int>(-1 - p.j), g, u, a, b_.radius[p.i], left);
         } else {
             nearest_image(task_.box, b_.x + 3 * p.i, b_.x + 3 * p.j, r);
             wait = time_to_touch(r, u, a, b_.radius[p.i] + b_.radius[p.j], left);

@@ -76,6 +76,23 @@ inline double time_to_touch(const double* r, const double* u, const double* a, d
     return t;
 }
 
+// Time until a sphere touches a wall: one parabola for a plane; a cylinder from outside is a sphere seen
+// along the axis. The inside of one has no such bound from below, and is no wall of hard spheres.
+inline double time_to_wall(const Box& box, int wall, const Geometry& g, const double* u, const double* a,
+                           double radius, double left) {
+    if (wall < kFirstInner || box.walls[wall - kFirstInner].shape == kPlane)
+        return first_zero(-g.overlap, dot(u, g.n), dot(a, g.n));
+    const InnerWall& cylinder = box.walls[wall - kFirstInner];
+    const double *axis = cylinder.direction, along_u = dot(u, axis), along_a = dot(a, axis);
+    double r[3], across_u[3], across_a[3];
+    for (int d = 0; d < 3; ++d) {
+        r[d] = (g.lever_i + cylinder.radius) * g.n[d];
+        across_u[d] = u[d] - along_u * axis[d];
+        across_a[d] = a[d] - along_a * axis[d];
+    }
+    return time_to_touch(r, across_u, across_a, radius + cylinder.radius, left);
+}
+
 // Which of many times is the earliest; of equal ones that of the smallest index. A tournament: winners of
 // pairs of leaves above the leaves.
 class Schedule {

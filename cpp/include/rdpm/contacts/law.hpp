@@ -57,6 +57,24 @@ concept TangentialLaw =
         Law::tangential_impulse(p, history, w, n, slip, /*inverse_mass*/ x, /*h*/ x, /*normal*/ x, impulse);
     };
 
+// A law whose parameters follow from the impact: `at_impact` gives the row that the other functions get, and
+// may remember of it in the history.
+template <class Law>
+concept ImpactLaw = ContactLaw<Law> && requires(const typename Law::Parameters& p,
+                                                typename Law::History& history, const Approach& a) {
+    { Law::at_impact(p, history, a) } -> std::same_as<typename Law::Parameters>;
+};
+
+// The row of a pair in this sub-step.
+template <ContactLaw Law>
+decltype(auto) row_of(const typename Law::Parameters& row, [[maybe_unused]] typename Law::History& history,
+                      [[maybe_unused]] const Approach& approach) {
+    if constexpr (ImpactLaw<Law>)
+        return Law::at_impact(row, history, approach);
+    else
+        return (row);
+}
+
 // A law whose force acts before the surfaces touch.
 template <class Law>
 concept DistantLaw = ContactLaw<Law> && requires { requires Law::acts_at_distance; };

@@ -99,7 +99,7 @@ inline double travel(const double* v, const double* force, const double* inverse
     return 4 * dt * (std::sqrt(speed) + 0.5 * dt * std::sqrt(acceleration));
 }
 
-// Pairs with a gap of at most `range`, sorted by (i, j), i < j; walls are j = -1 - face, those of a body
+// Pairs with a gap of at most `range`, sorted by (i, j), i < j; walls are j = -1 - wall, those of a body
 // before its spheres. Pairs in which neither can move are left out. Writes at most `capacity`, returns how
 // many there are.
 inline std::int64_t find_pairs(const Box& box, const double* x, const double* radius,
@@ -119,9 +119,10 @@ inline std::int64_t find_pairs(const Box& box, const double* x, const double* ra
             }
             ++found;
         };
-        for (int face = 5; face >= 0 && inverse_mass[i] > 0; --face)
-            if (!cells.is_periodic[face / 2] && wall_distance(box, xi, face) - radius[i] <= range)
-                add(-1 - face);
+        if (inverse_mass[i] > 0)
+            for_each_wall(box, [&](int wall) {
+                if (wall_distance(box, xi, wall) - radius[i] <= range) add(-1 - wall);
+            });
         const std::int64_t first = found;
         for_each_near(cells, xi, 1, [&](std::int32_t j) {
             if (j <= i || inverse_mass[i] + inverse_mass[j] == 0) return;
@@ -139,7 +140,7 @@ inline std::int64_t find_pairs(const Box& box, const double* x, const double* ra
     return found;
 }
 
-// Gap to the nearest surface and whose it is (a body, or a face -1..-6). What both arrays hold before stays
+// Gap to the nearest surface and whose it is (a body, or a wall). What both arrays hold before stays
 // where there is no surface nearer than that gap.
 inline void nearest_surfaces(const Box& box, const double* x, const double* radius, std::int64_t bodies,
                              std::int32_t* start, std::int32_t* order, double* gap, std::int64_t* neighbour) {
@@ -154,12 +155,12 @@ inline void nearest_surfaces(const Box& box, const double* x, const double* radi
     }
     for (std::int64_t i = 0; i < bodies; ++i) {
         const double* xi = x + 3 * i;
-        for (int face = 0; face < 6; ++face) {
-            const double g = wall_distance(box, xi, face) - radius[i];
-            if (cells.is_periodic[face / 2] || !(g < gap[i])) continue;
+        for_each_wall(box, [&](int wall) {
+            const double g = wall_distance(box, xi, wall) - radius[i];
+            if (!(g <= gap[i]) || std::isinf(g)) return;
             gap[i] = g;
-            neighbour[i] = -1 - face;
-        }
+            neighbour[i] = -1 - wall;
+        });
         // Bodies beyond ring r are farther than r cells: their gap is known to be larger.
         for (std::int64_t ring = 1;; ring = 2 * ring) {
             for_each_near(cells, xi, ring, [&](std::int32_t j) {

@@ -71,7 +71,7 @@ struct Progress {
     double max_overlap;  // [-], of the smaller diameter
 };
 
-// A pair's partners as the driver sees them; a wall has no mass, rotation or acceleration of its own.
+// A pair's partners as the driver sees them; a wall has no mass and no acceleration.
 struct Partners {
     std::int64_t i, j;
     double inverse_mass_i, inverse_mass_j, inverse_moment_i, inverse_moment_j, smaller_diameter;
@@ -83,7 +83,9 @@ inline Partners partners_of(const BodyArrays& b, const Box& box, std::int64_t i,
     Partners p{i,    j,   b.inverse_mass[i], 0, b.inverse_moment[i], 0, 2 * b.radius[i], nullptr, none,
                none, none};
     if (j < 0) {
-        p.vj = box.wall_velocity + 3 * (-1 - j);
+        const int wall = static_cast<int>(-1 - j);
+        p.vj = wall_velocity(box, wall);
+        if (wall >= kFirstInner) p.wj = box.walls[wall - kFirstInner].angular_velocity;
     } else {
         p.inverse_mass_j = b.inverse_mass[j];
         p.inverse_moment_j = b.inverse_moment[j];
@@ -166,7 +168,7 @@ inline void record(ContactState& s, const Window& w, double t, double h, double 
 
 // One pair, one sub-step; returns whether its contact is over (the surfaces have parted).
 template <ContactLaw Law>
-bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::Parameters& law,
+bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::Parameters& row,
                 const LubricationRow* lubrication, ContactState& s, typename Law::History& history, double t,
                 Progress& progress) {
     const BodyArrays& b = task.bodies;
@@ -182,7 +184,9 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
     }
     const double u_mid = u - 0.5 * acceleration;
     const double lambda = lubrication ? lubrication->mean_resistance(-g.overlap, 0.5 * h * u_mid) : 0;
-    const Window w = Law::window(law, {g.overlap, u_mid, h, s.phase == kTouching});
+    const Approach approach{g.overlap, u_mid, h, s.phase == kTouching};
+    const auto& law = row_of<Law>(row, history, approach);
+    const Window w = Law::window(law, approach);
     if (w.share() == 0 && lambda == 0 && s.phase == kApart) return false;
 
     const double inverse_mass = p.inverse_mass_i + p.inverse_mass_j;

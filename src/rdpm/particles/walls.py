@@ -1,0 +1,202 @@
+"""Markers on the walls within the box: the fluid does not slip there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rdpm import _core
+from rdpm.conventions import FIRST_WALL
+from rdpm.grid import Grid
+from rdpm.particles.calibration import CALIBRATION, Calibration
+from rdpm.particles.state import Bodies
+from rdpm.surfaces import Cylinder, Plane, Surface
+
+__all__ = ["WallMarkers", "left_to_marker", "wall_points"]
+
+Floats = NDArray[np.float64]
+
+#: Markers that are worked on together.
+_BLOCK = 256
+
+
+def wall_points(wall: Surface, size: Floats, spacing: float, depth: float) -> tuple[Floats, float]:
+    """Points spread evenly over the part of a wall that is within the box, about one a cell face.
+
+    Parameters
+    ----------
+    wall : Plane or Cylinder
+    size : ndarray, (3,), [m]
+        Of the box.
+    spacing : float, [m]
+        Edge of a cell.
+    depth : float, [m]
+        Of the points behind the wall.
+
+    Returns
+    -------
+    points : ndarray, (M, 3), [m]
+    area : float, [m^2]
+        That each stands for.
+    """
+    axis, middle = np.asarray(wall.row[2]), 0.5 * size
+    first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    first /= np.linalg.norm(first)
+    second = np.cross(axis, first)
+    reach = 0.5 * float(np.linalg.norm(size)) + spacing
+    if isinstance(wall, Plane):
+        # From the point nearest to the middle of the box, in rows.
+        foot = middle - ((middle - wall.point) @ axis) * axis - depth * axis
+        at = spacing * (np.arange(-int(reach / spacing) - 1, int(reach / spacing) + 2) + 0.5)
+        u, v = (c.ravel() for c in np.meshgrid(at, at))
+        points, area = foot + u[:, None] * first + v[:, None] * second, spacing**2
+    else:
+        radius = wall.radius + (depth if wall.side == "inside" else -depth)
+        foot = np.asarray(wall.point) + ((middle - wall.point) @ axis) * axis
+        around = max(3, round(2.0 * np.pi * radius / spacing))
+        along = spacing * (np.arange(-int(reach / spacing) - 1, int(reach / spacing) + 2) + 0.5)
+        # Each ring is turned by half a step against the last.
+        s, n = (c.ravel() for c in np.meshgrid(along, np.arange(around), indexing="ij"))
+        ring = np.repeat(np.arange(len(along)), around)
+        angle = 2.0 * np.pi * (n + 0.5 * (ring % 2)) / around
+        points = foot + s[:, None] * axis + radius * (np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second)
+        area = 2.0 * np.pi * wall.radius / around * spacing
+    within = ((points > 0.0) & (points < size)).all(axis=1)
+    return points[within], area
+
+
+def left_to_marker(distance: Floats, calibration: Calibration, least: float) -> Floats:
+    """Fraction of its volume left to a marker so far from another surface, as `exclude_markers` of the kernels has it.
+
+    Parameters
+    ----------
+    distance : ndarray, (M,), [cells]
+        Negative inside it.
+    calibration : Calibration
+    least : float, [-]
+        Up to `exclusion_near`.
+
+    Returns
+    -------
+    ndarray, (M,), [-]
+    """
+    near, far = calibration.exclusion_near, calibration.exclusion_far
+    outside = np.clip((distance - near) / (far - near), 0.0, 1.0)
+    result: Floats = (least + (1.0 - least) * outside) * np.clip(1.0 + distance, 0.0, 1.0)
+    return result
+
+
+class WallMarkers:
+    """The markers of all walls within the box; they do not move.
+
+    Parameters
+    ----------
+    grid : Grid
+    calibration : Calibration
+        Depth of the markers behind the surface, and how they are excluded near bodies.
+
+    Attributes
+    ----------
+    position : ndarray, (M, 3), [m]
+    velocity : ndarray, (M, 3), [m/s]
+        Of the wall there.
+    volume : ndarray, (M,), [m^3]
+        Of the fluid layer, one cell thick, that a marker stands for; reduced close to a body.
+    force : ndarray, (M, 3), [m/s^2]
+        Lagged from step to step: the force a unit mass that holds no-slip there.
+    force_on_fluid : ndarray, (3,), [N]
+        Over the last step.
+    """
+
+    def __init__(self, grid: Grid, calibration: Calibration = CALIBRATION) -> None:
+        self.grid, self.calibration = grid, calibration
+        self.h = h = float(np.cbrt(np.prod(grid.spacing)))
+        size = np.array(grid.box.size)
+        found = [wall_points(wall, size, h, calibration.marker_retraction * h) for wall in grid.box.walls]
+        self.position = np.concatenate([np.empty((0, 3)), *(points for points, _ in found)])
+        self.velocity = np.concatenate(
+            [np.empty((0, 3)), *(_velocity(wall, points) for wall, (points, _) in zip(grid.box.walls, found, strict=True))]
+        )
+        full = np.concatenate([np.empty(0), *(np.full(len(points), area * h) for points, area in found)])
+        order = np.argsort(self.position[:, 2], kind="stable")  # from bottom to top
+        self.position, self.velocity = self.position[order].copy(), self.velocity[order].copy()
+        self._full_volume = full[order]
+        self.volume = self._full_volume.copy()
+        self.force, self._at_markers = np.zeros((2, len(self), 3))
+        self._impulse, self.force_on_fluid = np.zeros((2, 3))  # the impulse over the density
+        first = np.append(np.arange(0, len(self), _BLOCK), len(self)).astype(np.int32)
+        self._stencils = _core.Markers(grid.core, first)
+        self._stencils.place(grid.core, self.position)
+        self._tree: Any = None
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+    def spread(self, target: tuple[Floats, Floats, Floats], factor: float) -> None:
+        """Add factor * force to a staggered field."""
+        self._stencils.spread(self.grid.core, *target, self.force, self.volume, factor)
+
+    def impose_no_slip(self, velocity: tuple[Floats, Floats, Floats], dt: float) -> None:
+        """Change the fluid's velocity to that of the walls, in one pass of direct forcing, and the forces with it."""
+        self._stencils.interpolate(self.grid.core, *velocity, self._at_markers)
+        change = self.velocity - self._at_markers
+        self._stencils.spread(self.grid.core, *velocity, change, self.volume, 1.0)
+        self.force += change / dt
+        self._impulse += self.volume @ change
+
+    def begin(self, dt: float) -> None:
+        """Start a step's sum of impulses with that of the lagged forces."""
+        self._impulse = dt * (self.volume @ self.force)
+
+    def close(self, density: float, dt: float, retained: float) -> None:
+        """Conclude the force on the fluid; relax the lagged forces to this fraction for the next step."""
+        self.force_on_fluid = density / dt * self._impulse
+        self.force *= retained
+
+    def exclude(self, bodies: Bodies, close: NDArray[np.int32], least: float) -> None:
+        """Reduce the volume of markers close to a body, as :meth:`rdpm.particles.markers.MarkerSet.exclude` does.
+
+        Parameters
+        ----------
+        bodies : Bodies
+        close : ndarray of int32, (P, 2)
+            Pairs of surfaces that are close.
+        least : float, [-]
+            Fraction left to the nearest ones.
+        """
+        np.copyto(self.volume, self._full_volume)
+        near = np.unique(close[close[:, 1] <= FIRST_WALL, 0])
+        if not len(near):
+            return
+        if self._tree is None:
+            from scipy.spatial import cKDTree
+
+            self._tree = cKDTree(self.position)
+        c, h = self.calibration, self.h
+        for body in near:
+            radius = 0.5 * bodies.diameter[body]
+            at = self._tree.query_ball_point(bodies.position[body], radius + c.exclusion_far * h)
+            distance = np.linalg.norm(self.position[at] - bodies.position[body], axis=1) - radius
+            share = left_to_marker(distance / h, c, least)
+            self.volume[at] = np.minimum(self.volume[at], share * self._full_volume[at])
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """What the next step takes from the last one; nothing without walls."""
+        if not len(self):
+            return {}
+        return {"wall_force": self.force, "wall_volume": self.volume, "wall_force_on_fluid": self.force_on_fluid}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Take over what `state` gave."""
+        for name, array in self.state().items():
+            np.copyto(array, state[name])
+
+
+def _velocity(wall: Surface, points: Floats) -> Floats:
+    velocity = np.tile(np.array(wall.velocity, np.float64), (len(points), 1))
+    if isinstance(wall, Cylinder):
+        velocity += np.cross(np.asarray(wall.row[4]), points - np.asarray(wall.point))
+    return velocity
