@@ -147,10 +147,10 @@ void project_finish(Projection& projection, const Grid& g, const InOut<double>& 
     projection.finish(q, pressure, phi, dt);
 }
 
-std::tuple<double, double> project_measures(Projection& projection, const Grid& g, const InOut<double>& u,
-                                            const InOut<double>& v, const InOut<double>& w) {
+std::tuple<double, double> project_measures(Projection& projection, const Grid& g, const In<double>& u,
+                                            const In<double>& v, const In<double>& w) {
     require_slab(g, projection);
-    const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
+    const VelocityView q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
     nb::gil_scoped_release released;
     const FlowMeasures m = projection.measure_flow(q);
     return {m.cfl_rate, m.square_sum};

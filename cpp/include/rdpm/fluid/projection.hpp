@@ -79,7 +79,7 @@ class Projection {
         take(q, p, phi, dt, rotational);
         run<true>(Way::whole);
         close();
-        return measures();
+        return measures(q);
     }
 
     // The three parts of the same on a slab; `ends`: p and q, then the values below and above, a plane of modes
@@ -100,10 +100,7 @@ class Projection {
         close();
     }
     // Once the halo of w is current.
-    FlowMeasures measure_flow(VelocityArrays q) {
-        q_ = q;
-        return measures();
-    }
+    FlowMeasures measure_flow(const VelocityView& q) { return measures(q); }
 
     // phi: a right-hand side of laplacian(x) = rhs with zero mean -> x. The same passes without the velocity.
     void solve(double* phi) {
@@ -365,7 +362,7 @@ class Projection {
     int left_to_end() const { return std::max(1, measured_above_ + 1); }
     void measure_with(int k, int face) {
         if (k >= 1 && k <= g_.nz() && k != left_to_end() && face == (k <= measured_above_ ? k : k - 1))
-            measure(k, face, face);
+            measure(q_, k, face, face);
     }
     // In a slab the other plane at a face may be the one that is measured with it; it is corrected by then.
     void measure_beyond(int half, int face) {
@@ -373,10 +370,10 @@ class Projection {
     }
 
     // Plane k with the plane `face` of w beside it; `counted`: the plane of w whose squares are added here.
-    void measure(int k, int face, int counted) {
+    void measure(const VelocityView& q, int k, int face, int counted) {
         const std::size_t row = g_.row();
-        const double *u = q_.u + k * g_.plane(), *v = q_.v + k * g_.plane();
-        const double *w = q_.w + face * g_.plane(), *w_counted = q_.w + counted * g_.plane();
+        const double *u = q.u + k * g_.plane(), *v = q.v + k * g_.plane();
+        const double *w = q.w + face * g_.plane(), *w_counted = q.w + counted * g_.plane();
         const double ix = 1.0 / g_.spacing[0], iy = 1.0 / g_.spacing[1], iz = 1.0 / g_.spacing[2];
         double most = 0.0, sum = 0.0;
         for (int j = 1; j <= g_.ny(); ++j) {
@@ -416,9 +413,9 @@ class Projection {
     }
 
     // The sums in fixed order.
-    FlowMeasures measures() {
+    FlowMeasures measures(const VelocityView& q) {
         const int nz = g_.nz(), k = left_to_end();
-        if (k <= nz) measure(k, k - 1, nz);
+        if (k <= nz) measure(q, k, k - 1, nz);
         FlowMeasures all;
         for (int n = 1; n <= nz; ++n) {
             all.cfl_rate = std::max(all.cfl_rate, plane_cfl_[n]);

@@ -56,10 +56,8 @@ inline Four interpolate_wrapped(const double* q, const WrappedPoints& at, const 
         return in_y[0][n] * load(p + y[0], x, is_whole) + in_y[1][n] * load(p + y[1], x, is_whole) +
                in_y[2][n] * load(p + y[2], x, is_whole);
     };
-    const bool* is_here = at.is_here + at.begin<component>(2);
-    const auto weight = [&](int c) { return is_here[c] ? in_z[c][n] : 0.0; };
-    return weights.x[component == 0][n] * (weight(0) * in_plane(q + z[0]) + weight(1) * in_plane(q + z[1]) +
-                                           weight(2) * in_plane(q + z[2]));
+    return weights.x[component == 0][n] * (in_z[0][n] * in_plane(q + z[0]) + in_z[1][n] * in_plane(q + z[1]) +
+                                           in_z[2][n] * in_plane(q + z[2]));
 }
 
 // Known at compile time which direction is on faces: the 27 terms unroll. What is left is to add up the four.
@@ -144,6 +142,7 @@ inline void interpolate(const Grid& g, const VelocityView& q, const StencilSet& 
                        interpolate_inner<2>(row, plane, q.w, marker[n], weights, n),
                        out + 3 * marker[n].marker);
             }
+            if (g.is_slab()) weights.leave_out_planes_of_others(g, set, begin, inside, count);
             for (int n = inside; n < count; ++n) {
                 ahead.advance();
                 const WrappedPoints at(g, set, begin + n);

@@ -118,6 +118,18 @@ struct Weights {
                 x[at][n] = Four{along_x[at][0][n], along_x[at][1][n], along_x[at][2][n], 0.0};
     }
 
+    // Of the markers [first, last) from `begin` on: no weight where another slab has the plane.
+    void leave_out_planes_of_others(const Grid& g, const StencilSet& set, int begin, int first, int last) {
+        for (int n = first; n < last; ++n) {
+            const int nearest = set.inner[begin + n].at[2];
+            for (int at = 0; at < 2; ++at) {
+                const int lowest = nearest - (at == 1 && std::signbit(set.from_centre[2][begin + n]) ? 2 : 1);
+                for (int c = 0; c < 3; ++c)
+                    if (lowest + c < 1 || lowest + c > g.nz()) z[at][c][n] = 0.0;
+            }
+        }
+    }
+
   private:
     static void find_along(const double* from_centre, double (*out)[3][most_weights]) {
 #pragma omp simd
@@ -316,7 +328,6 @@ inline void place(const Grid& g, const double* position, StencilSet& set) {
 struct WrappedPoints {
     std::ptrdiff_t x[4], y[4], z[4];
     int plane[4];
-    bool is_here[4];      // the plane is one of the slab's
     bool is_below[3];  // the nearest face is one before the nearest centre
 
     WrappedPoints(const Grid& g, const StencilSet& set, int inner) {
@@ -329,8 +340,7 @@ struct WrappedPoints {
             x[a] = wrapped(0, nearest[0] - 2 + a);
             y[a] = wrapped(1, nearest[1] - 2 + a) * static_cast<std::ptrdiff_t>(g.row());
             plane[a] = wrapped(2, nearest[2] - 2 + a);
-            is_here[a] = plane[a] >= 1 && plane[a] <= g.nz();
-            z[a] = (is_here[a] ? plane[a] : 1) * static_cast<std::ptrdiff_t>(g.plane());
+            z[a] = (g.is_slab() ? std::clamp(plane[a], 1, g.nz()) : plane[a]) * static_cast<std::ptrdiff_t>(g.plane());
         }
         for (int d = 0; d < 3; ++d) is_below[d] = std::signbit(set.from_centre[d][inner]);
     }
