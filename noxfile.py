@@ -11,7 +11,7 @@ SOURCES = ("src", "tests", "benchmarks", "docs", "noxfile.py", ".ci")
 @nox.session
 def lint(session: nox.Session) -> None:
     """Style, types, import contracts, C++ format."""
-    session.install(".[lint]")
+    session.install(".[lint,app]")
     session.run("ruff", "check", *SOURCES)
     session.run("mypy", "-p", "rdpm")  # as installed, with the stub of _core
     session.run("mypy", "tests/types")

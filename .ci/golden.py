@@ -190,21 +190,23 @@ def compare(folder: Path) -> list[str]:
         columns, rows = thinned(folder / name / f"{table}.csv")
         with stored.open(newline="") as file:
             head, *kept = csv.reader(file)
-        if head[1:] != columns:
-            found.append(f"{name}/{table}: columns {columns}, not {head[1:]}")
+        if gone := [column for column in head[1:] if column not in columns]:
+            found.append(f"{name}/{table}: columns {gone} are missing")
             continue
         expected = {int(row[0]): row[1:] for row in kept}
         if expected.pop(-1)[0] != rows.pop(-1)[0]:
             found.append(f"{name}/{table}: another number of rows")
             continue
-        for n, column in enumerate(columns):
+        for n, column in enumerate(head[1:]):   # a column that was added is not yet stored
             if column not in NOISE:
-                found += _column(f"{name}/{table}: {column}", expected, rows, n)
+                computed = {row: values[columns.index(column)] for row, values in rows.items()}
+                stored = {row: values[n] for row, values in expected.items()}
+                found += _column(f"{name}/{table}: {column}", stored, computed)
     return found
 
 
-def _column(place: str, expected: dict[int, list[str]], rows: dict[int, list[str]], n: int) -> list[str]:
-    pairs = [(row, expected[row][n], rows[row][n]) for row in expected]
+def _column(place: str, expected: dict[int, str], computed: dict[int, str]) -> list[str]:
+    pairs = [(row, expected[row], computed[row]) for row in expected]
     try:
         numbers = [(row, float(a or "nan"), float(b or "nan")) for row, a, b in pairs]
     except ValueError:

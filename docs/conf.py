@@ -14,7 +14,7 @@ copyright = "the rdpm developers"
 version = release = rdpm.__version__
 
 extensions = [
-    "myst_parser",
+    "myst_nb",  # Markdown; and pages that are notebooks are run
     "sphinx.ext.autodoc",
     "sphinx.ext.mathjax",
     "sphinx.ext.napoleon",
@@ -24,6 +24,10 @@ extensions = [
 ]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
+nb_execution_mode = "force"
+nb_execution_timeout = 300
+nb_execution_raise_on_error = True
+nb_execution_in_temp = True
 exclude_patterns = ["_build"]
 smartquotes = False  # -- is the beginning of an option
 

@@ -5,21 +5,36 @@ The runs are measured, drawn and judged anew; nothing is run. Figures go to IMAG
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
 
 from rdpm.studies.collect import collect
 from rdpm.studies.finish import finished
 from rdpm.studies.folder import StudyFolder
-from rdpm.studies.page import content, write_markdown
+from rdpm.studies.page import Block, content, write_markdown
 
 
-def main(folder: str, file: str, images: str) -> None:
+def main() -> None:
     """Write the file and its images."""
-    results = collect(StudyFolder(Path(folder)))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path, help="of the study")
+    parser.add_argument("file", type=Path, help="the page")
+    parser.add_argument("images", type=Path, help="the folder of its figures")
+    parser.add_argument("--figures", nargs="+", help="names without their ending; all when left out")
+    parser.add_argument("--note", default="", help="a sentence at the end, such as on the machine and the time it took")
+    given = parser.parse_args()
+    results = collect(StudyFolder(given.folder))
     judged, pictures = finished(results, print)
-    write_markdown(content(results, judged, pictures), Path(file), Path(images), results.name)
+    if given.figures:
+        pictures = {
+            part: [one for one in made if one.path.stem in given.figures or one.path.suffix == ".mp4"]
+            for part, made in pictures.items()
+        }
+    blocks = content(results, judged, pictures)
+    if given.note:
+        blocks.append(Block("text", given.note))
+    write_markdown(blocks, given.file, given.images, results.name)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main()

@@ -42,9 +42,9 @@ def oil_case(**changes: Any) -> dict[str, Any]:
     return made
 
 
-def in_oil(threads: int = 1, **changes: Any) -> rdpm.Simulation:
+def in_oil(threads: int = 1, ranks: Any = None, **changes: Any) -> rdpm.Simulation:
     """A simulation of `oil_case`."""
-    return rdpm.Simulation(rdpm.load_case(oil_case(**changes)), threads=threads)
+    return rdpm.Simulation(rdpm.load_case(oil_case(**changes)), threads=threads, ranks=ranks)
 
 
 def pair_motion(times):
@@ -92,8 +92,8 @@ def write_flow(path, times, position):
 
 
 CONTACTS = [
-    (0, 1, "sphere-sphere", 1.2, 0.9, 430.0, 0.003, 0.012, 0.001, 0.08, 0.24, -1e-7),
-    (1, -5, "sphere-wall", 2.8, 0.016, 8.0, 0.006, 0.05, 0.004, 0.08, 1.2, -1e-6),
+    (0, 1, "sphere-sphere", 1.2, 0.9, 430.0, 0.003, 0.012, 0.001, 0.08, 0.24, -1e-7, "no"),
+    (1, -5, "sphere-wall", 2.8, 0.016, 8.0, 0.006, 0.05, 0.004, 0.08, 1.2, -1e-6, "overlap (pushed)"),
 ]
 CASE = """title = "Two spheres: drafting & kissing"
 [domain]

@@ -24,7 +24,7 @@ class ThreadRanks:
 
     def __init__(self, size: int, rank: int, mail: _Mail) -> None:
         self.size, self.rank, self._mail = size, rank, mail
-        self.seconds, self.messages, self.sent_bytes = 0.0, 0, 0
+        self.seconds, self.messages, self.sent_bytes, self.sharers = 0.0, 0, 0, size
 
     def _send(self, rank: int, value: Any) -> None:
         self._mail.queue[self.rank, rank].put(copy.deepcopy(value))

@@ -29,7 +29,8 @@ namespace {
 
 using Reals = In<double>;
 
-// box: rows size, period (0: not periodic); six rows of wall velocities; five rows a wall within the box.
+// box: rows size, period (0: not periodic, below 0: open); six rows of wall velocities; five rows a wall within
+// the box.
 contacts::Box make_box(const Reals& array) {
     static_assert(sizeof(contacts::InnerWall) == 15 * sizeof(double));
     const std::int64_t rows = array.rows("box", {-1, 3});
@@ -38,7 +39,8 @@ contacts::Box make_box(const Reals& array) {
     contacts::Box box{};
     for (int d = 0; d < 3; ++d) {
         box.size[d] = b[d];
-        box.period[d] = b[3 + d];
+        box.is_open[d] = b[3 + d] < 0;
+        box.period[d] = std::max(0.0, b[3 + d]);
         box.inverse_period[d] = b[3 + d] > 0 ? 1 / b[3 + d] : 0;
     }
     box.wall_velocity = b + 6;

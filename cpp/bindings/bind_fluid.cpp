@@ -24,21 +24,21 @@ using Triple = std::array<double, 3>;
 
 void make_grid(Grid* g, const std::array<int, 3>& cells, const Triple& spacing,
                const std::array<int, 3>& boundary, const std::array<double, 18>& wall_velocity, int threads,
-               int planes_below, int box_planes, const std::array<bool, 2>& open) {
+               int planes_below, int box_planes, const std::array<bool, 2>& joined) {
     double values = 1.0;
     for (int d = 0; d < 3; ++d) {
-        require(cells[d] >= 4 && spacing[d] > 0.0 && boundary[d] >= 0 && boundary[d] <= 2,
-                "grid: at least 4 cells, spacing > 0, boundary 0 to 2 a direction");
+        require(cells[d] >= 4 && spacing[d] > 0.0 && boundary[d] >= 0 && boundary[d] <= 4,
+                "grid: at least 4 cells, spacing > 0, boundary 0 to 4 a direction");
         require(cells[d] <= most_cells, "grid: at most 2^29 cells a direction");
         values *= cells[d] + 2.0;
     }
     require(values < 1e18, "grid: a field's size in bytes must be a 64-bit number");
     require(threads >= 1, "grid: threads must be at least 1");
     const bool is_slab = box_planes > 0;
-    require(is_slab ? planes_below >= 0 && planes_below <= box_planes - cells[2] && (open[0] || open[1])
-                    : planes_below == 0 && box_planes == 0 && !open[0] && !open[1],
+    require(is_slab ? planes_below >= 0 && planes_below <= box_planes - cells[2] && (joined[0] || joined[1])
+                    : planes_below == 0 && box_planes == 0 && !joined[0] && !joined[1],
             "grid: a slab lies within its box, and adjoins another one");
-    new (g) Grid{cells, spacing, boundary, wall_velocity, threads, planes_below, box_planes, open};
+    new (g) Grid{cells, spacing, boundary, wall_velocity, threads, planes_below, box_planes, joined};
 }
 
 void momentum_explicit(const Grid& g, const InOut<double>& u, const InOut<double>& v, const InOut<double>& w,
@@ -84,7 +84,7 @@ void diffuse_stabilised(const Grid& g, const InOut<double>& velocity, const InOu
     const auto beyond = [&](const InOut<double>& array, const char* name, bool is_open) {
         return array.checked(name, {is_open ? stages - 1 : 0, g.ny() + 2, g.nx() + 2});
     };
-    const std::array<double*, 2> of_others{beyond(below, "below", g.open[0]), beyond(above, "above", g.open[1])};
+    const std::array<double*, 2> of_others{beyond(below, "below", g.joined[0]), beyond(above, "above", g.joined[1])};
     const auto coefficients = legendre_stages(stages, dt);
     nb::gil_scoped_release released;
     stabilised_diffusion(g, target, source, component, nu, coefficients, planes, of_others);
@@ -232,7 +232,7 @@ nb::typed<nb::dict, nb::str, nb::object> build_info() {
 void bind_fluid(nb::module_& module) {
     nb::class_<Grid>(module, "Grid", "Cells, spacings, boundaries and side speeds, as the loops read them.")
         .def("__init__", &make_grid, "cells"_a, "spacing"_a, "boundary"_a, "wall_velocity"_a, "threads"_a,
-             "planes_below"_a, "box_planes"_a, "open"_a);
+             "planes_below"_a, "box_planes"_a, "joined"_a);
     nb::class_<Projection>(module, "Projection", "The streamed Poisson solve and the velocity's correction.")
         .def(nb::init<const Grid&>(), "grid"_a)
         .def("project", &project, "grid"_a, "u"_a, "v"_a, "w"_a, "p"_a, "increment"_a, "dt"_a, "rotational"_a)

@@ -6,10 +6,10 @@ from typing import Literal
 
 __all__ = ["BOUNDARY_KINDS", "FACES", "FIRST_WALL", "NO_NEIGHBOUR", "OVERLAP_WARNING", "BoundaryKind", "partner_name"]
 
-BoundaryKind = Literal["periodic", "wall", "free-slip"]
+BoundaryKind = Literal["periodic", "wall", "free-slip", "inflow-outflow"]
 
 #: What bounds the box along x, y or z, in the order of the kernels' numbers.
-BOUNDARY_KINDS: tuple[BoundaryKind, ...] = ("periodic", "wall", "free-slip")
+BOUNDARY_KINDS: tuple[BoundaryKind, ...] = ("periodic", "wall", "free-slip", "inflow-outflow")
 
 #: Faces of the box. Face f is partner -1 - f of a body: ids -1 to -6.
 FACES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")

@@ -16,8 +16,8 @@ from rdpm.particles.seeding import marker_count, sphere_points
 from rdpm.particles.state import Bodies
 
 CELLS, SIZE = (7, 8, 9), (0.7, 0.96, 0.99)
-COMBINATIONS = list(itertools.product(BOUNDARY_KINDS, repeat=3))
-kinds = st.tuples(*[st.sampled_from(BOUNDARY_KINDS)] * 3)
+COMBINATIONS = list(itertools.product(BOUNDARY_KINDS[:3], repeat=3))
+kinds = st.tuples(*[st.sampled_from(BOUNDARY_KINDS[:3])] * 3)
 seeds = st.integers(0, 2**32 - 1)
 
 

@@ -56,6 +56,42 @@ CASES = {
         "time": {"end": 0.1, "step": 0.004, "diffusion": "stabilised"},
         "output": {**QUIET, "table_every": 0.008},
     },
+    # A tube and a slope in a fluid: lagged forces of their markers; a sphere touches the slope.
+    "walls": {
+        "domain": BOX,
+        "fluid": OIL,
+        "walls": [
+            {"shape": "cylinder", "point": [0.015, 0.015, 0.0], "axis": [0, 0, 1], "diameter": 0.024},
+            {"shape": "plane", "point": [0.015, 0.015, 0.008], "normal": [0.5, 0.0, 1.0], "velocity": [0.0, 0.1, 0.0]},
+        ],
+        "bodies": [{**GLASS, "centers": [[0.015, 0.014, 0.0148]], "velocity": [0.0, 0.0, -0.1]}],
+        "contact": SOFT,
+        "resolution": {"cells_per_diameter": 5},
+        "time": {"end": 0.03, "step": 0.0005},
+        "output": {**QUIET, "table_every": 0.004},
+    },
+    "hertz": {
+        "domain": {"size": [0.03, 0.03, 0.05]},
+        "bodies": [{**GLASS, "centers": [[0.0105, 0.015, 0.0055], [0.0195, 0.0155, 0.0155]], "velocity": [0.3, 0.1, -0.1]}],
+        "contact": {"model": "hertz", "youngs_modulus": 1e5, "poisson_ratio": 0.3, "restitution": 0.7, "friction": 0.3,
+                    "impact_speed": 0.3},
+        "time": {"end": 0.06, "step": 0.0005},
+        "output": {**QUIET, "table_every": 0.004},
+    },
+    "adaptive collision time": {
+        "domain": {"size": [0.03, 0.03, 0.05]},
+        "bodies": [{**GLASS, "centers": [[0.0105, 0.015, 0.0055], [0.0195, 0.0155, 0.0155]], "velocity": [0.3, 0.1, -0.1]}],
+        "contact": SOFT | {"adaptive_collision_time": True},
+        "time": {"end": 0.06, "step": 0.0005},
+        "output": {**QUIET, "table_every": 0.004},
+    },
+    "repulsive": {
+        "domain": {"size": [0.03, 0.03, 0.05]},
+        "bodies": [{**GLASS, "centers": [[0.0105, 0.015, 0.0065], [0.0195, 0.0155, 0.0165]], "velocity": [0.3, 0.1, -0.1]}],
+        "contact": {"model": "repulsive", "repulsion_stiffness": 0.2, "repulsion_range": 0.001},
+        "time": {"end": 0.06, "step": 0.0005},
+        "output": {**QUIET, "table_every": 0.004},
+    },
     # Held for half of the time.
     "released body": {
         "domain": BOX,
@@ -83,6 +119,20 @@ CASES = {
         "resolution": {"cells_per_diameter": 4},
         "time": {"end": 0.075, "step": 0.0015},
         "output": {**QUIET, "table_every": 0.02},
+    },
+    # The inflow rises until step 30; what leaves depends on what left before.
+    "stream": {
+        "domain": {
+            "size": [0.04, 0.03, 0.03],
+            "boundary": {"x": "inflow-outflow", "y": "wall", "z": "free-slip"},
+            "inflow": {"velocity": 0.1, "profile": "parabolic", "start_up": 0.06},
+        },
+        "fluid": OIL,
+        "bodies": [{**GLASS, "motion": "fixed", "centers": [[0.018, 0.0154, 0.015]]}],
+        "contact": SOFT,
+        "resolution": {"cells_per_diameter": 5},
+        "time": {"end": 0.12, "step": 0.002, "diffusion": "stabilised"},
+        "output": {**QUIET, "table_every": 0.01},
     },
     # A heap that comes to rest on the floor: contacts open at any time after the first.
     "dry heap": {

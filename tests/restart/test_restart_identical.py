@@ -23,6 +23,12 @@ from rdpm.runs.runner import run_case
         ("released body", 37),
         ("periodic cloud", 25),
         ("dry heap", 250),
+        ("walls", 20),
+        ("hertz", 22),
+        ("repulsive", 15),
+        ("adaptive collision time", 15),
+        ("stream", 12),
+        ("stream", 40),
     ],
 )
 def test_restart_is_bit_identical(name, stop, tmp_path):
@@ -31,7 +37,11 @@ def test_restart_is_bit_identical(name, stop, tmp_path):
     path = run_until(case, tmp_path / "broken", stop, threads=2)
     arrays, facts = read_checkpoint(path)
     assert facts["steps"] == stop + 1
-    if name in ("wet contact", "dry heap"):  # the subject is a contact under way, its spring stretched
+    if name == "walls":
+        assert np.abs(arrays["immersed/wall_force"]).max() > 0.0
+    if name == "repulsive":  # a force that acts before the touch leaves no contact under way
+        assert "contacts/history/xi" not in arrays
+    if name in ("wet contact", "dry heap", "hertz", "adaptive collision time"):  # the subject is a contact under way, its spring stretched
         assert (arrays["contacts/state/phase"] == TOUCHING).any()
         assert np.abs(arrays["contacts/history/xi"]).max() > 0.0
     if name == "released body":

@@ -40,7 +40,7 @@ def one_bit(data):
         cut_short,
         one_bit,
         lambda data: b"",
-        lambda data: b"rdpm checkpoint 3\n" + data[18:],
+        lambda data: b"rdpm checkpoint 4\n" + data[18:],
         lambda data: data[:90] + b"}" + data[91:],
         lambda data: b"\0" * len(data),
     ],

@@ -130,7 +130,7 @@ def events() -> Call:
 
 FLOW, TENDENCY, RATE = ("u", "v", "w"), ("tendency_u", "tendency_v", "tendency_w"), ("rate_u", "rate_v", "rate_w")
 GRID = {"cells": CELLS, "spacing": (1.0,) * 3, "boundary": (0,) * 3, "wall_velocity": (0.0,) * 18, "threads": 1,
-        "planes_below": 0, "box_planes": 0, "open": (False, False)}  # fmt: skip
+        "planes_below": 0, "box_planes": 0, "joined": (False, False)}  # fmt: skip
 
 #: A row an entry; a method is named after its class.
 CALLS: dict[str, Callable[[], Call]] = {
@@ -480,8 +480,8 @@ def test_markers_refuse_a_field_beyond_their_offsets() -> None:
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"planes_below": 1}, {"open": (True, False)}, {"box_planes": 7, "open": (False, False)},
-        {"box_planes": 6, "open": (True, True)}, {"planes_below": 15, "box_planes": 21, "open": (True, True)},
+        {"planes_below": 1}, {"joined": (True, False)}, {"box_planes": 7, "joined": (False, False)},
+        {"box_planes": 6, "joined": (True, True)}, {"planes_below": 15, "box_planes": 21, "joined": (True, True)},
     ],
 )  # fmt: skip
 def test_a_slab_that_is_none_is_refused(wrong: dict[str, Any]) -> None:

@@ -38,6 +38,7 @@ class Row:
     value: str
     verdict: str = ""
     note: str = ""
+    severity: str = ""
 
 
 @dataclass
@@ -87,7 +88,7 @@ class Solver(types.ModuleType):
 def solver(monkeypatch, tmp_path):
     stand_in = Solver()
     pictures = types.ModuleType("rdpm.figures.report")
-    pictures.make_report = lambda folder, *, video, progress: [folder / "report.html"]
+    pictures.make_report = lambda folder, *, video, figure_format, progress: [folder / "report.html"]
     runner = types.ModuleType("rdpm.runs.runner")
     runner.run_case = stand_in.run_case
     monkeypatch.setitem(sys.modules, "rdpm.setup", stand_in)

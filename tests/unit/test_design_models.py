@@ -33,9 +33,30 @@ def test_repulsive_design_keeps_the_gap_at_speed_and_under_the_weight(capsys) ->
     assert "FAIL closest gap" in capsys.readouterr().out
 
 
+HARD = ["design", "--model", "hard-sphere", "--diameter", "1 cm", "--density", "2500", "--restitution", "0.9",
+        "--time-step", "0.1 ms", "--impact-speed", "0.1"]  # fmt: skip
+
+
+def test_hard_sphere_design_gives_the_error_of_a_soft_one(capsys) -> None:
+    """Lag and overlap of eight steps: e v t_c and more, and half of it at four."""
+    lags = []
+    for steps in ("8", "4"):
+        assert main([*HARD, "--contact-steps", steps, "--json"]) == 0
+        found = json.loads(capsys.readouterr().out)
+        error = design.finite_contact_error(float(steps) * 1e-4, 0.9, 0.01, 0.1)
+        assert (found["soft_time_fraction"], found["soft_overlap_fraction"]) == (error.time_ratio, error.overlap)
+        lags.append(found["soft_lag_fraction"])
+    assert lags[0] == pytest.approx(2.0 * lags[1])
+    assert lags[0] > 0.9 * 0.1 * 8e-4 / 0.01
+    assert main(HARD) == 0
+    assert "of a soft one of 8 steps" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
+        ([*HARD, "--gap", "1 mm"], "--gap: belongs to --model repulsive"),
+        (HARD[:-4], "--time-step: must be given with --model hard-sphere"),
         ([*HERTZ, "--stiffness", "5"], "--stiffness: belongs to --model soft-sphere"),
         ([*REPULSIVE, "--gap", "1e-4", "--restitution", "0.5"], "--restitution: belongs to --model hertz"),
         ([*HERTZ[:-2], "--gap", "1e-4"], "--gap: belongs to --model repulsive"),

@@ -11,7 +11,7 @@ from rdpm.fluid import Fluid
 from rdpm.fluid.diffusion import explicit_limit
 from rdpm.grid import Box, Grid
 
-COMBINATIONS = list(itertools.product(BOUNDARY_KINDS, repeat=3))
+COMBINATIONS = list(itertools.product(BOUNDARY_KINDS[:3], repeat=3))
 
 
 def random_flow(grid: Grid, is_explicit: bool, viscosity: float = 0.01) -> Fluid:

@@ -27,11 +27,11 @@ def test_numbers_read_back_bit_for_bit(tmp_path):
 
 
 def test_words_and_missing_numbers(tmp_path):
-    row = (0, -1, "sphere-wall", 0.1, 0.02, 8.5, 0.004, 0.1, np.nan, np.nan, np.float64(2.0), -1e-9)
+    row = (0, -1, "sphere-wall", 0.1, 0.02, 8.5, 0.004, 0.1, np.nan, np.nan, np.float64(2.0), -1e-9, "no")
     with TableWriter(tmp_path / "contacts.csv", CONTACT_COLUMNS) as table:
         table.write([row])
     text = (tmp_path / "contacts.csv").read_text().splitlines()
-    assert text[1] == "0,-1,sphere-wall,0.1,0.02,8.5,0.004,0.1,nan,nan,2.0,-1e-09"
+    assert text[1] == "0,-1,sphere-wall,0.1,0.02,8.5,0.004,0.1,nan,nan,2.0,-1e-09,no"
     back = read_table(tmp_path / "contacts.csv")
     assert back["kind"][0] == "sphere-wall"
     assert np.isnan(back["restitution"][0])

@@ -7,7 +7,8 @@ import pytest
 
 from rdpm.errors import CaseError, OutputError
 from rdpm.io.sphere_surface import sphere_surface
-from rdpm.io.vtkhdf import BodyWriter, FieldWriter, field_grid, field_times, read_fields, read_plane
+from rdpm.io.vtkhdf import FieldWriter, field_grid, field_times, read_fields, read_plane
+from rdpm.io.vtkhdf_bodies import BodyWriter
 
 CELLS, SPACING = (20, 5, 18), (0.1, 0.2, 0.3)   # more than one chunk along x and z
 
@@ -64,6 +65,36 @@ def test_fields_read_back(fields):
     assert np.array_equal(pressure, made_fields(2)[1])
     with pytest.raises(IndexError):
         read_fields(fields, 3)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
+def test_rounded_fields_keep_to_their_tolerance(tmp_path, tolerance):
+    path = tmp_path / "fields.vtkhdf"
+    writer = FieldWriter(path, CELLS, SPACING, tolerance=tolerance)
+    noise = np.random.default_rng(3).normal(size=(2, 18, 5, 20, 4)).astype(np.float32)
+    for step, values in enumerate(noise):
+        writer.write(0.5 * step, values[..., :3], values[..., 3])
+    reader, times = opened_by_vtk(path)
+    for step, time in enumerate(times):
+        reader.UpdateTimeStep(time)
+        data = reader.GetOutput().GetCellData()
+        for name, part in (("velocity", noise[step, ..., :3]), ("pressure", noise[step, ..., 3])):
+            error = np.abs(array_of(data, name).reshape(part.shape) - part).max()
+            # not below a twentieth of it: the bits are spent on what the tolerance leaves
+            assert 0.05 * tolerance < error / np.abs(part).max() <= tolerance
+    writer = FieldWriter(path, CELLS, SPACING, keep_until=0.2, tolerance=tolerance)
+    writer.write(0.7, *made_fields(1))
+    assert field_times(path).tolist() == [0.0, 0.7]
+    assert np.abs(read_fields(path, 1)[1] - made_fields(1)[0]).max() <= tolerance * 119.0   # its largest
+
+
+def test_fluid_at_rest_and_broken_values_are_stored_as_they_are(tmp_path):
+    path = tmp_path / "fields.vtkhdf"
+    writer = FieldWriter(path, CELLS, SPACING, tolerance=1e-3)
+    still = np.zeros((18, 5, 20, 3)), np.full((18, 5, 20), np.nan)
+    writer.write(0.0, *still)
+    assert np.array_equal(read_fields(path, 0)[1], still[0])
+    assert np.isnan(read_fields(path, 0)[2]).all()
 
 
 @pytest.mark.parametrize(("normal", "position", "index"), [("x", 1.05, 10), ("y", 99.0, 4), ("z", -1.0, 0)])

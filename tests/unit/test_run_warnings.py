@@ -62,14 +62,15 @@ def test_one_list_everywhere(tmp_path):
     ]
     assert len(set(told)) == len(told) >= 2
     # Before it started, and at its end.
-    assert any(re.match(r"overlap \S+ % d > 0.5 % \(at 30 cm/s\): stiffen", text) for text in told)
-    assert any(re.match(r"largest overlap \S+ % d > 0.5 % \(of the run\): stiffen", text) for text in told)
+    assert any(re.match(r"overlap \S+ % d > 0.5 % \(at 30 cm/s\): raise contact.stiffness", text) for text in told)
+    deepest = r"largest overlap \S+ % d > 0.5 % \(of the run\): raise contact.stiffness"
+    assert any(re.match(deepest, text) for text in told)
     details = read_summary(tmp_path / "run" / "summary.json").warning_details
     assert [str(detail) for detail in details] == told
     first = next(detail for detail in details if detail.quantity == "overlap")
     assert (first.sign, first.limit, first.condition) == (">", "0.5 %", "at 30 cm/s")
     assert first.value.endswith("% d")
-    assert first.cure.startswith("stiffen")
+    assert first.cure == "raise contact.stiffness"
 
 
 def test_overlaps_beyond_the_design_are_named():
@@ -155,3 +156,11 @@ def test_a_local_file_goes_before_the_shipped_case(tmp_path, monkeypatch, capsys
     assert "must be a file (it is a folder)" in capsys.readouterr().err
     (tmp_path / "settling" / "case.toml").write_text(shipped_text("settling"))
     assert case_source("./settling") == ("settling/case.toml", Path("settling"), "")
+
+
+def test_a_warning_of_a_plan_names_what_it_is_about_once():
+    changes = ["contact={stiffness=1, damping=0.1, overlap_warning=0.001}", "resolution.cells_per_diameter=4"]
+    found = plan(rdpm.load_case("dkt", changes)).warnings
+    assert "cells a diameter = 4.05: below 8 the drag is several per cent off" in found
+    assert any(text.startswith("damping ratio 1.59 > 1 (overdamped") for text in found)
+    assert not any(text.startswith(("max_overlap", "static_overlap", "regime")) for text in found)

@@ -155,6 +155,30 @@ def test_forces_in_the_rows_make_the_motion(runs) -> None:
     assert not upper["contact_force_z_N"][1:][calm].any()
 
 
+def test_the_split_of_forces_and_torques_in_the_rows_is_exact(runs) -> None:
+    """m dU/dt between two rows is the sum of the means since the row before and of weight less buoyancy."""
+    folder, _ = runs[0]
+    rows = read_table(folder / "particles.csv")
+    for n, density in enumerate((1120.0, 3000.0)):
+        mass = density * np.pi / 6.0 * D**3
+        span = np.diff(rows["time_s"][n::2])
+        for axis, (speed, spin) in enumerate(zip(("u_m_s", "v_m_s", "w_m_s"), "xyz", strict=True)):
+            weight = -9.81 * mass * (1.0 - 962.0 / density) if axis == 2 else 0.0
+            parts = ("hydrodynamic", "lubrication", "collision")
+            force = [rows[f"{part}_force_{spin}_N"][n::2][1:] for part in parts]
+            torque = [rows[f"{part}_torque_{spin}_N_m"][n::2][1:] for part in parts]
+            gained = mass * np.diff(rows[speed][n::2]) / span
+            turned = 0.1 * mass * D**2 * np.diff(rows[f"omega_{spin}_rad_s"][n::2]) / span
+            # Sums of some 20 steps of terms that cancel: 1e-12 of the largest.
+            np.testing.assert_allclose(sum(force) + weight, gained, rtol=0, atol=1e-12 * max(np.abs(force).max(), mass))
+            np.testing.assert_allclose(sum(torque), turned, rtol=0, atol=1e-12 * max(np.abs(torque).max(), mass * D))
+            both = rows[f"contact_force_{spin}_N"][n::2][1:]
+            np.testing.assert_allclose(force[1] + force[2], both, rtol=0, atol=1e-12 * max(np.abs(both).max(), mass))
+    touching = np.abs(rows["collision_force_z_N"]) > 0.0
+    assert touching.any()
+    assert np.abs(rows["lubrication_force_z_N"])[~touching].max() > 0.0
+
+
 def test_history_and_contacts_agree_with_the_summary(runs) -> None:
     folder, summary = runs[0]
     history, contacts = read_table(folder / "history.csv"), read_table(folder / "contacts.csv")

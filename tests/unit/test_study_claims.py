@@ -10,6 +10,8 @@ from rdpm.studies.claims import (
     CLAIMS,
     DESIGN_CLAIMS,
     RUN_CLAIMS,
+    Alike,
+    Approaches,
     Claim,
     Computed,
     Happens,
@@ -21,7 +23,7 @@ from rdpm.studies.claims import (
     judge_each,
     judge_study,
 )
-from rdpm.studies.claims.of_study import widest_spreads
+from rdpm.studies.claims.of_study import quantities_of, widest_spreads
 from rdpm.studies.measures import QUANTITIES
 from rdpm.studies.spread import Spread, spread_of, spreads_of
 
@@ -181,9 +183,41 @@ def test_claims_use_known_quantities_and_have_reasons():
         assert one.reason
         assert one.slide
     for one in RUN_CLAIMS:
-        expected = one.expected
-        names = expected.quantities if isinstance(expected, Insensitive) else (expected.quantity,)
-        assert set(names) <= set(QUANTITIES), one.id
+        assert set(quantities_of(one)) <= set(QUANTITIES), one.id
+
+
+@pytest.mark.parametrize(
+    ("values", "verdict"),
+    [
+        ((2.71, 2.8, 3.2), "confirmed"),       # sqrt(2) S = 0.14 from the reference, 2.7
+        ((2.71, 2.72, 2.8), "within the spread"),
+        ((2.9, 3.0, 3.2), "conditional"),
+        ((3.2, 3.0, 2.9), "contradicted"),
+    ],
+)
+def test_runs_that_come_to_a_reference(values, verdict):
+    rows = [
+        *table(values, along="contact.contact_steps", at=(4.0, 8.0, 20.0)),
+        {"run": "hard", "contact.model": "hard-sphere", "tumble_start_s": 2.7},
+    ]
+    expected = Approaches(("tumble_start_s",), "contact.contact_steps", {"contact.model": "hard-sphere"})
+    spread = {"tumble_start_s": Spread("tumble_start_s", 2.7, 0.1, 4)}
+    found = judge(claim(expected), rows, spread)
+    assert found.verdict == verdict
+    assert found.runs == ("hard", "run-0", "run-1", "run-2")
+    assert found.numbers["tumble_start_s"] == 2.7
+    assert judge(claim(expected), rows[:-1], spread).verdict == "not judged"
+
+
+def test_runs_are_alike_when_no_two_differ():
+    expected = Alike(("tumble_start_s",))
+    spread = {"tumble_start_s": Spread("tumble_start_s", 2.7, 0.1, 4)}
+    assert judge(claim(expected), table((2.7, 2.75, 2.8)), spread).verdict == "confirmed"
+    assert judge(claim(expected), table((2.7, 2.75, 2.9)), spread).verdict == "contradicted"
+    without = judge(claim(expected), table((2.7, 2.75, None)), spread)
+    assert without.verdict == "contradicted"
+    assert "none in run-2" in without.sentence
+    assert judge(claim(expected), table((2.7,), at=(1.0,)), spread).verdict == "not judged"
 
 
 def found_by(name: str) -> Judgement:

@@ -1,5 +1,8 @@
 """``rdpm study``: the list, a copy, what a study costs."""
 
+import sys
+from types import SimpleNamespace
+
 import pytest
 
 from rdpm.cases import shipped_studies
@@ -48,6 +51,30 @@ def test_lines_without_a_terminal_tell_ends_and_reasons(capsys):
     assert said[0] == "2 runs, 2 at once"
     assert said[1].startswith("a: done (1 of 2 runs ended")
     assert said[2].startswith("b: failed: no room (2 of 2 runs ended")
+
+
+def test_a_notebook_shows_one_output_that_is_renewed(monkeypatch):
+    shown = []
+    handle = SimpleNamespace(update=shown.append)
+    screen = SimpleNamespace(HTML=str, display=lambda text, display_id: shown.append(text) or handle)
+    shell = SimpleNamespace(kernel=object())
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell, display=screen))
+    monkeypatch.setitem(sys.modules, "IPython.display", screen)
+    jobs = [Job("first", "1", steps=100, cells=10), Job("second", "2", steps=100, cells=10)]
+    with Display() as display:
+        display.begin(jobs, 1)
+        display.note("one & all")
+        display.update(jobs[0], {"phase": "stepping", "step": 50, "time": 0.5, "end": 1.0})
+        bar = display._bar.html()
+        display.update(jobs[0], {"phase": "done", "reason": ""})
+        display.update(jobs[1], {"phase": "failed", "reason": "no room"})
+    assert "first" in bar
+    assert "25 %" in bar   # half of one of two
+    assert shown[0].count("<progress") == 1
+    assert "one &amp; all" in shown[-1]
+    assert "second: failed: no room" in shown[-1]
+    assert "2 of 2 runs ended" in shown[-1]
+    assert "first" not in shown[-1]
 
 
 def test_a_terminal_shows_each_run_at_work(monkeypatch, capsys):

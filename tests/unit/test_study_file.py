@@ -4,7 +4,9 @@ import tomllib
 
 import pytest
 
-from rdpm.cases import shipped_studies
+from rdpm.cases import shipped_studies, shipped_text
+from rdpm.cli.main import main
+from rdpm.studies.cases import changed
 from rdpm.studies.expand import expand, parameters
 from rdpm.studies.pictures import Drawing
 from rdpm.studies.prepare import prepare
@@ -143,7 +145,7 @@ def test_shipped_studies_can_be_run(name):
     assert made.study.file.title
     assert made.study.file.question
     assert quick.cell_steps < 0.05 * made.cell_steps
-    assert made.expected_seconds(2) < 15 * 60   # at the rate of one thread that the plan of a run expects
+    assert made.expected_seconds(2) < 18 * 60   # at the rate of one thread that the plan of a run expects
 
 
 def test_the_talks_runs_are_those_of_its_slides():
@@ -163,3 +165,38 @@ def _have_the_talks_contacts(runs):
         assert run.case.time.step == 1e-3
         assert run.case.contact.ending == "zero-overlap"
         assert not run.case.contact.lubrication
+
+
+def test_a_case_beside_the_study_file_goes_before_the_shipped_one(tmp_path, monkeypatch, capsys):
+    text = shipped_text("dkt")
+    (tmp_path / "dkt.toml").write_text(text.replace("restitution = 0.5 ", "restitution = 0.25 "))
+    (tmp_path / "mine.toml").write_text('[base]\ncase = "dkt"\n')
+    (run,) = expand(load_study(tmp_path / "mine.toml"))
+    assert run.case.contact.restitution == 0.25
+    assert run.notes == (f"note: dkt is the file {tmp_path / 'dkt.toml'} here, not the shipped case of that name",)
+    # what is no file, or shipped, is whole by itself, wherever it is run
+    monkeypatch.chdir(tmp_path)
+    assert [run.case.contact.restitution for run in expand(load_study({"base": {"case": "dkt"}}))] == [0.5]
+    assert {run.case.contact.restitution for run in expand(load_study("time-step"))} == {0.5}
+    assert main(["study", "check", "mine.toml"]) == 0
+    assert "note: dkt is the file dkt.toml here" in capsys.readouterr().out
+
+
+def test_a_local_study_goes_before_the_shipped_one(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["study", "time-step", "--copy"]) == 0
+    (tmp_path / "time-step.toml").write_text('title = "My own"\n[base]\ncase = "dkt"\n')
+    assert main(["study", "check", "time-step"]) == 0
+    said = capsys.readouterr()
+    assert "My own" in said.out
+    assert "note: time-step is the file time-step.toml here, not the shipped study of that name" in said.err
+
+
+def test_another_model_takes_the_place_of_what_it_does_not_know():
+    raw = {"contact": {"stiffness": 50, "damping": 0.1, "friction": 0.2, "lubrication": False}}
+    made, notes = changed(raw, [{"contact.model": "hard-sphere", "contact.restitution": 0.5}], (), "study")
+    assert made["contact"] == {"model": "hard-sphere", "restitution": 0.5, "friction": 0.2, "lubrication": False}
+    assert notes == [f"contact.{key} gives way to model = hard-sphere" for key in ("damping", "stiffness")]
+    # what is set beside the model stays, for the case to refuse
+    made, _ = changed(raw, [{"contact.model": "hard-sphere", "contact.stiffness": 9}], (), "study")
+    assert made["contact"]["stiffness"] == 9

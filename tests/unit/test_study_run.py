@@ -12,7 +12,10 @@ from rdpm.runs.runner import run_case
 from rdpm.studies import load
 from rdpm.studies.claims import Claim, Computed, Judgement
 from rdpm.studies.folder import StudyFolder
+from rdpm.studies.kept_flow import keep_plane
+from rdpm.studies.one_job import do_job
 from rdpm.studies.pictures import Drawing, Picture
+from rdpm.studies.prepare import prepare, write_folder
 from rdpm.studies.registry import CLAIMS, DRAWINGS
 from rdpm.studies.study import run_study
 from rdpm.studies.study_file import load_study
@@ -204,3 +207,55 @@ def test_the_command_runs_collects_and_continues(tmp_path):
         assert process.returncode == 0, err
         assert len(load(tmp_path / "sweep")) == 2
     assert "3 of 3 runs need not be made again" in err
+
+
+@pytest.mark.parametrize("tolerance", [0.0, 1e-3])
+def test_disk_is_what_was_told(tmp_path, monkeypatch, tolerance):
+    monkeypatch.setitem(DRAWINGS, "flow", Drawing(lambda results, folder: [], needs_fields=True))
+    output = {"output.fields_every": 0.002, "output.fields_tolerance": tolerance}
+    base = {"case": MEETING, "set": output}
+    prepared = prepare(load_study(sweep(base=base, draw=["flow"], vary={"contact.contact_steps": [12]})))
+    folder, at_work = write_folder(prepared, tmp_path / "s", ""), {}
+
+    def watched(files):
+        at_work[files.path.name] = size_of(files.path)
+        keep_plane(files)
+
+    monkeypatch.setattr("rdpm.studies.one_job.keep_plane", watched)
+    for job in prepared.jobs:
+        assert do_job(folder, job, 1).status == "done"
+        taken, left = at_work[job.name], size_of(folder.work(job).path)
+        if tolerance == 0.0:
+            assert taken == pytest.approx(job.disk, rel=0.2)
+        else:
+            assert taken < 1.2 * job.disk
+        assert left < 1.2 * job.disk_left   # planes are compressed, and small in a box so small
+    assert prepared.disk(1) > max(at_work.values())
+    assert prepared.disk_left == sum(job.disk_left for job in prepared.jobs)
+
+
+def size_of(folder):
+    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+
+
+def test_every_model_goes_on_from_one_start(tmp_path):
+    keys = {
+        "soft": {"contact_steps": 12},
+        "hard": {"model": "hard-sphere"},
+        "hertz": {"model": "hertz", "youngs_modulus": 1e6, "poisson_ratio": 0.3, "impact_speed": 0.4},
+        "repulsive": {"model": "repulsive", "repulsion_stiffness": 0.4, "repulsion_range": 1e-3},
+    }
+    models = [{"name": name, "set": {"contact": values}} for name, values in keys.items()]
+    dry = {key: value for key, value in MEETING.items() if key not in ("fluid", "resolution")}
+    study = sweep(base={"case": dry}, vary={}, runs=models, start={"at": 0.0005})   # hardly in the range yet
+    prepared = prepare(load_study(study))
+    assert [job.name for job in prepared.jobs if job.is_start] == ["start-1"]
+    assert "contact.friction gives way to model = repulsive" in prepared.runs[3].notes
+    results, watch = run(tmp_path / "s", study, workers=1)
+    assert set(watch.ended.values()) == {"done"}
+    table = results.table.set_index("run")
+    # each thrown back with what its model leaves; the repulsive force keeps all
+    assert table["first_restitution"][["soft", "hard", "hertz"]].tolist() == pytest.approx([0.7] * 3, abs=0.02)
+    assert table["max_overlap_fraction"]["hard"] == pytest.approx(0.0, abs=1e-9)
+    velocity = results.run("repulsive").tracks.velocity[:, :, 0]
+    assert (velocity[:, 1] - velocity[:, 0]).max() == pytest.approx(0.4, rel=0.05)   # thrown back, before the walls

@@ -16,6 +16,8 @@ from rdpm.config.load import load_case
 from rdpm.config.source import parse_toml
 from rdpm.results.run import load_run
 from rdpm.setup import plan
+from rdpm.studies.tuning.choice import differs
+from rdpm.studies.tuning.confirm import measured
 from rdpm.studies.tuning.reading import probed, work_fraction
 from rdpm.studies.write import study_to_toml
 
@@ -251,3 +253,55 @@ def test_a_folder_with_something_else_is_left_alone(tmp_path, capsys):
     assert "must be new, empty, or the folder of a tuning" in capsys.readouterr().err
     assert tuned(tmp_path / "drop.toml", out=tmp_path / "a" / "b") == 2
     assert "must lie in a folder that is there" in capsys.readouterr().err
+
+
+def test_the_choice_is_confirmed_on_a_finer_grid(tmp_path, capsys):
+    (tmp_path / "pair.toml").write_text(PAIR)
+    words = ("--quick", "--time-steps", "1 ms", "--contact-steps", "4,8", "--outcome-tolerance", "5 %", "--confirm",
+             "--set", "time.end=50 ms")  # fmt: skip
+    assert tuned(tmp_path / "pair.toml", *words, out=tmp_path / "out") == 0
+    shown = capsys.readouterr().out
+    said = json.loads((tmp_path / "out" / "tune.json").read_text())
+    found = said["confirmation"]
+    assert found["holds"]
+    assert found["cells_per_diameter"] == [4.0, 8.0]
+    assert found["dt_s"] == [1e-3, 5e-4]
+    with open(tmp_path / "out" / "confirmation.csv", newline="") as file:
+        rows = {row["quantity"]: row for row in csv.DictReader(file)}
+    assert float(rows["overlap_fraction"]["coarse"]) == said["chosen"]["overlap_fraction"]
+    fine = load_run(tmp_path / "out" / "confirm" / "runs" / "fine")
+    assert fine.summary.cells == (24, 24, 40)
+    # the same spring and dashpot: twice the steps of half the length
+    assert fine.summary.contact.pairs[0].stiffness_N_m == pytest.approx(said["chosen"]["stiffness_N_m"])
+    assert float(rows["overlap_fraction"]["fine"]) == pytest.approx(float(fine.contacts["max_overlap_fraction"].max()))
+    assert "Confirmed at 8 cells a diameter" in said["verdict"]
+    assert "4 cells a diameter" in shown
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"max_overlap_fraction": 0.02}, "the overlap is above its limit"),
+        ({"final_angle_deg": None}, "final_angle_deg is not there in both"),
+        ({}, "final_angle_deg differs by 1 %"),
+    ],
+)
+def test_what_a_finer_run_may_say(monkeypatch, changes, said):
+    coarse = {"overlap_fraction": 0.004, "outcome": 50.0, "kiss_time_s": 1.0, "work_fraction": -0.5}
+    fine = {"max_overlap_fraction": 0.004, "final_angle_deg": 50.5, "kiss_time_s": 1.1} | changes
+    monkeypatch.setattr("rdpm.studies.tuning.confirm.columns", lambda run: fine)
+    monkeypatch.setattr("rdpm.studies.tuning.confirm.work_fraction", lambda run: -0.4)
+    found = measured(coarse, object(), ("kiss_time_s", "final_angle_deg"), ("done", ""), (0.005, 0.01),
+                     differs(None, 0.05), (8.0, 16.0), (1e-3, 5e-4))  # fmt: skip
+    assert found.holds == (not changes)
+    assert said in found.sentence()
+    lost = measured(coarse, None, ("kiss_time_s", "final_angle_deg"), ("stopped", "it blew up"), (0.005, 0.01),
+                    differs(None, 0.05), (8.0, 16.0), (1e-3, 5e-4))  # fmt: skip
+    assert not lost.holds
+    assert "it blew up" in lost.sentence()
+
+
+def test_a_dry_case_has_no_finer_grid(tmp_path, capsys):
+    (tmp_path / "drop.toml").write_text(DROP)
+    assert tuned(tmp_path / "drop.toml", "--confirm", out=tmp_path / "out") == 2
+    assert "--confirm: must have a case with a fluid" in capsys.readouterr().err

@@ -70,6 +70,8 @@ def show_plan(plan: Any, console: Console) -> None:
     """
     from rich.table import Table
 
+    from rdpm.design.wording import said
+
     for title, rows in plan.sections:
         table = Table(
             title=title, title_justify="left", title_style="bold", show_header=False, box=None, pad_edge=False
@@ -77,6 +79,10 @@ def show_plan(plan: Any, console: Console) -> None:
         for _ in range(4):
             table.add_column(overflow="fold")
         for row in rows:
-            table.add_row(row.name, row.value, row.verdict, row.note, style=_COLOURS.get(row.verdict))
+            if not row.severity:
+                table.add_row(row.name, row.value, row.verdict, row.note, style=_COLOURS.get(row.verdict))
         console.print(table)
+        for row in rows:
+            if row.severity:
+                console.print(said(row.severity, row.note), style=_COLOURS.get(row.verdict))
         console.print()

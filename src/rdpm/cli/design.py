@@ -50,7 +50,7 @@ _SUFFIX = {"": "", "kg": "_kg", "m": "_m", "s": "_s", "m/s": "_m_s", "kg/m^3": "
 _MOST_ROWS = 1_000_000
 
 _Quantity = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
-_Model = Literal["soft-sphere", "hertz", "repulsive"]
+_Model = Literal["soft-sphere", "hertz", "repulsive", "hard-sphere"]
 _Program = Literal["lammps", "liggghts", "mfix", "yade", "mercurydpm"]
 
 
@@ -102,7 +102,9 @@ def design(
 
     With --model hertz: --diameter, --density, --youngs-modulus, --poisson-ratio, --restitution and an impact
     speed (or the fluid) give contact time, overlap and time step. With --model repulsive: --diameter, --density,
-    --repulsion-range and either the closest --gap wanted or --repulsion-stiffness.
+    --repulsion-range and either the closest --gap wanted or --repulsion-stiffness. With --model hard-sphere:
+    --diameter, --density, --restitution, --time-step and an impact speed give the error that a soft sphere of
+    --contact-steps would have.
 
     Parameters
     ----------

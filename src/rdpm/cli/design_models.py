@@ -15,10 +15,12 @@ _BODIES = {"diameter", "density", "diameter2", "density2", "impact_speed", "time
 _OF_MODEL = {
     "hertz": _BODIES | {"youngs_modulus", "poisson_ratio", "restitution", "overlap_limit"},
     "repulsive": _BODIES | {"repulsion_range", "repulsion_stiffness", "gap"},
+    "hard-sphere": _BODIES | {"restitution", "contact_steps"},
 }
 _NEEDED_OF_MODEL = {
     "hertz": ("diameter", "density", "youngs_modulus", "poisson_ratio", "restitution"),
     "repulsive": ("diameter", "density", "repulsion_range"),
+    "hard-sphere": ("diameter", "density", "restitution", "time_step"),
 }
 
 
@@ -48,12 +50,18 @@ def check_model(model: str, given: dict[str, Any], swept: dict[str, Any]) -> Non
 
 
 def print_model(model: str, single: dict[str, float], wall: bool, ending: Any, as_json: bool) -> int:
-    """Print the design of a Hertz contact or a repulsive force."""
-    from rdpm.design import hertz_design, repulsive_design
+    """Print the design of a model other than the soft sphere."""
+    from rdpm import design
 
     short = {"repulsion_range": "range", "repulsion_stiffness": "stiffness"}
     named: dict[str, Any] = {short.get(name, name): value for name, value in single.items()}
-    one = hertz_design(**named, wall=wall, ending=ending) if model == "hertz" else repulsive_design(**named, wall=wall)
+    one: Any
+    if model == "hertz":
+        one = design.hertz_design(**named, wall=wall, ending=ending)
+    elif model == "hard-sphere":
+        one = design.hard_sphere_design(**named, wall=wall, ending=ending)
+    else:
+        one = design.repulsive_design(**named, wall=wall)
     print(json.dumps(one.to_dict(), indent=2) if as_json else one)
     return 0
 

@@ -19,7 +19,7 @@ from rdpm.parallel.ranks import launched_rank
 __all__ = ["app", "main"]
 
 # rdpm.cli.VERB has a function VERB
-VERBS = ("new", "check", "run", "design", "study", "tune", "report", "validate", "bench", "info")
+VERBS = ("new", "check", "run", "design", "study", "tune", "report", "validate", "bench", "app", "info")
 
 USAGE, STOPPED, INTERNAL, INTERRUPTED = 2, 3, 1, 130
 

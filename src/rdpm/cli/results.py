@@ -77,12 +77,18 @@ def _contacts(summary: Summary) -> list[tuple[str, str]]:
     if found.count and found.max_overlap_fraction is not None:
         deepest = f", greatest overlap {100 * found.max_overlap_fraction:.3g} % d"
     rows = [("contacts", f"{found.count}{deepest}")]
+    if found.pressed:
+        rows.append(("of them pressed", str(found.pressed)))
+    if found.outside:
+        why = ", ".join(f"{reason} {count}" for reason, count in found.outside_reasons.items())
+        rows.append(("outside the promised range", f"{found.outside}: {why}"))
     rows += [
         (
             f"contact {pair.kind}",
             f"k_n {_number(pair.stiffness_N_m, 'N/m')}, eta_n {_number(pair.damping_N_s_m, 'N s/m')}",
         )
         for pair in summary.contact.pairs
+        if pair.stiffness_N_m is not None
     ]
     return rows
 

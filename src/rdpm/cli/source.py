@@ -34,12 +34,13 @@ def case_source(case: str, prefers_folder: bool = False) -> tuple[str, Path | No
     ('settling', None, '')
     """
     from rdpm.cases import shipped_names
+    from rdpm.config.source import local_file
     from rdpm.results.run_folder import RunFolder
 
     is_shipped = case in shipped_names()
-    folder, local = RunFolder(Path(case)), Path(f"{case}.toml")
+    folder = RunFolder(Path(case))
     if (prefers_folder or not is_shipped) and folder.case.is_file():
         return str(folder.case), folder.path, ""
-    if is_shipped and local.is_file():
-        return str(local), None, f"note: {case} is the file {local} here, not the shipped case of that name"
+    if is_shipped and (local := local_file(case)):
+        return str(local[0]), None, local[1]
     return case, None, ""

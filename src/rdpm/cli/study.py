@@ -40,9 +40,9 @@ def study(
     Parameters
     ----------
     words : str
-        STUDY, a study file, the name of a shipped study or the folder of a study; or "check STUDY", which says runs,
-        cost, memory and disk before anything starts; or "collect FOLDER", which makes the table of the runs that are
-        there. With --copy: NAME, or NAME and a folder.
+        STUDY, a study file, the name of a shipped study (a file NAME.toml here goes before it) or the folder of a
+        study; or "check STUDY", which says runs, cost, memory and disk before anything starts; or "collect FOLDER",
+        which makes the table of the runs that are there. With --copy: NAME, or NAME and a folder.
     out : Path, optional
         The folder; ./NAME when left out. Runs that are finished there are not made again.
     workers : int, optional
@@ -121,12 +121,18 @@ def _copy(name: str, folder: Path) -> None:
 def _source(word: str) -> tuple[str, Path | None]:
     """The study that a word means, and its folder where the word is one."""
     from rdpm.cases import shipped_studies
+    from rdpm.cli.progress import say
+    from rdpm.config.source import local_file
     from rdpm.studies.folder import StudyFolder
 
     folder = StudyFolder(Path(word))
-    if word not in shipped_studies() and folder.study.is_file():
-        return str(folder.study), folder.path
-    return word, None
+    if word not in shipped_studies():
+        return (str(folder.study), folder.path) if folder.study.is_file() else (word, None)
+    local = local_file(word, what="study")
+    if local is None:
+        return word, None
+    say(local[1])
+    return str(local[0]), None
 
 
 def _check(word: str, workers: int | None, quick: bool) -> None:
@@ -162,10 +168,10 @@ def _show_plan(prepared: Prepared, workers: int) -> None:
     console.print(f"\n{rows} rows of the table" + (f", {shared} of runs that are made once" if shared else ""))
     console.print(
         f"{workers} at once: about {span(prepared.expected_seconds(workers))}, {prepared.memory(workers) / 1e6:.0f} MB "
-        f"of memory, at most {prepared.disk(workers) / 1e6:.0f} MB of disk"
+        f"of memory, at most {prepared.disk(workers) / 1e6:.0f} MB of disk; {prepared.disk_left / 1e6:.0f} MB stay"
     )
     for note in dict.fromkeys(note for run in prepared.runs for note in run.notes):
-        console.print(f"note: {note}")
+        console.print(note if note.startswith("note: ") else f"note: {note}")
 
 
 def _collect(word: str, quiet: bool) -> int:

@@ -13,6 +13,7 @@ from cyclopts import Parameter
 from rdpm.errors import CaseError
 
 if TYPE_CHECKING:
+    from rdpm.studies.tuning.confirm import Confirmation
     from rdpm.studies.tuning.result import Tuning
 
 __all__ = ["tune"]
@@ -35,6 +36,7 @@ def tune(
     outcome_tolerance: str | None = None,
     contact_steps: str = "",
     time_steps: str = "",
+    confirm: _Flag = False,
     json: _Flag = False,
     quick: _Flag = False,
     quiet: _Flag = False,
@@ -71,6 +73,8 @@ def tune(
         N_c to try, such as "4,8,12"; 4,6,8,10,12,15,20 when left out.
     time_steps : str
         dt to try, such as "4 ms,2 ms,1 ms"; chosen by the flow when left out. One alone is taken.
+    confirm : bool
+        Run the chosen contact once more at twice the resolution, with the same stiffness and damping, and compare.
     json : bool
         Write JSON for machines.
     quick : bool
@@ -81,13 +85,15 @@ def tune(
     Returns
     -------
     int
-        0, or 1 where no range of N_c was found.
+        0, or 1 where no range of N_c was found, or what was chosen does not hold at twice the resolution.
 
     Raises
     ------
     CaseError
         The case or an option is wrong, or nothing touches.
     """
+    from rdpm.cli.progress import say
+    from rdpm.cli.source import case_source
     from rdpm.config.load import case_name
     from rdpm.parallel.ranks import single
     from rdpm.studies.tuning.options import TuneOptions
@@ -105,9 +111,13 @@ def tune(
     words = sys.argv[1:] if sys.argv[1:2] == ["tune"] else ["tune", case]
     command = shlex.join(["rdpm", *words])
     path = out or Path(f"{case_name(case)}-tune")
+    source, _, note = case_source(case)
+    if note and not quiet:
+        say(note)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        found = run(case, path, options, overrides=set_, workers=workers, quiet=quiet, command=command)
+        found = run(source, path, options, overrides=set_, workers=workers, quiet=quiet, command=command,
+                    confirm=confirm)  # fmt: skip
     except KeyboardInterrupt:
         print(f"rdpm: interrupted. To continue: {command}", file=sys.stderr)
         return 130
@@ -118,7 +128,8 @@ def tune(
         print(encoder.dumps(found.to_dict(), indent=2, default=float))
     else:
         _show(found, files)
-    return 0 if found.window else NO_RANGE
+    holds = found.confirmation is None or found.confirmation.holds
+    return 0 if found.window and holds else NO_RANGE
 
 
 def _quantity(option: str, text: str, unit: str = "") -> float:
@@ -145,6 +156,9 @@ def _show(found: Tuning, files: list[Path]) -> None:
         console.print()
     console.print(_contact_table(found))
     console.print()
+    if found.confirmation is not None:
+        console.print(_confirmation_table(found.confirmation))
+        console.print()
     console.width = width
     console.print(found.verdict())
     if found.window is not None:
@@ -193,6 +207,23 @@ def _contact_table(found: Tuning) -> Any:
             _number(row["max_impact_speed_m_s"], 1.0, 3), _number(row["outcome"]),
             "taken" if is_chosen else reason or "in range", style="bold" if is_chosen else "dim" if reason else None,
         )  # fmt: skip
+    return table
+
+
+def _confirmation_table(found: Confirmation) -> Any:
+    from rdpm.studies.measures import QUANTITIES
+    from rdpm.studies.tuning.confirm import COMPARED
+
+    (coarse, fine), (long, short) = found.cells_per_diameter, found.dt_s
+    table = _table(
+        f"Confirmation: dt = {1e3 * long:.4g} ms and {1e3 * short:.4g} ms, contacts of the same length",
+        ("", f"{coarse:g} cells a diameter", f"{fine:g} cells a diameter", "change [%]", ""),
+    )
+    for row in found.rows:
+        name = row["quantity"]
+        factor, unit = COMPARED.get(name, (1.0, QUANTITIES[name].unit if name in QUANTITIES else "-"))
+        change = "-" if row["change"] is None else f"{100.0 * row['change']:.2g}"
+        table.add_row(f"{name} [{unit}]", _number(row["coarse"], factor), _number(row["fine"], factor), change, "")
     return table
 
 

@@ -100,6 +100,7 @@ class Case(Model):
             self._check_wet(self.fluid)
         self._check_walls()
         self._check_releases()
+        self.output.check_places(self.domain.size, self.time.end)
         diameters = self.expanded_bodies().diameter
         cells = self.resolution.cells if self.resolution else None
         if cells is not None and len(diameters):
@@ -132,12 +133,25 @@ class Case(Model):
                 value=True,
                 at=("contact", "lubrication"),
             )
+        if self.output.samples_flow:
+            raise RuleError(
+                "must be left out of a case without [fluid]",
+                "there is no flow to sample",
+                at=("output", self.output.samples_flow),
+            )
         if self.contact.model == "repulsive" and self.contact.repulsion_range is None:
             raise RuleError(
                 "is missing in a case without [fluid]",
                 "there is no grid that would choose it",
                 'Give it, such as "0.2 mm".',
                 at=("contact", "repulsion_range"),
+            )
+        if self.domain.inflow is not None:
+            raise RuleError(
+                "must be left out in a case without [fluid]",
+                "only a fluid flows in",
+                "Leave it out, or add [fluid].",
+                at=("domain", "inflow"),
             )
         if self.time.step == "adaptive":
             raise RuleError(
@@ -183,10 +197,18 @@ class Case(Model):
         if fluid.zero_mean_flow and not all(self.domain.is_periodic):
             raise RuleError(
                 "must not be true where a boundary is not periodic",
-                "walls already hold the mean flow",
+                "walls, or an inflow, already set the mean flow",
                 "Leave it out.",
                 value=True,
                 at=("fluid", "zero_mean_flow"),
+            )
+        axis = self.domain.inflow_axis
+        if axis is not None and fluid.acceleration[axis] != 0.0:
+            raise RuleError(
+                f"must have no {'xyz'[axis]} component along the inflow",
+                "the inflow sets how much passes, whatever drives it",
+                f"Set component {axis} to 0, or change domain.inflow.velocity.",
+                at=("fluid", "body_force" if fluid.body_force is not None else "pressure_gradient"),
             )
 
     def _check_walls(self) -> None:

@@ -11,7 +11,7 @@ from rdpm.config.fields import Model
 from rdpm.config.rule import RuleError, listed
 from rdpm.conventions import OVERLAP_WARNING
 
-__all__ = ["DEFAULT_CONTACT", "Contact"]
+__all__ = ["DEFAULT_CONTACT", "Contact", "keys_of_other_models"]
 
 DEFAULT_CONTACT = {"contact_steps": 8.0, "restitution": 0.9}
 
@@ -238,6 +238,17 @@ class Contact(Model):
         if self.model in _OTHER_WAYS:
             return _OTHER_WAYS[self.model]
         return _WAYS[frozenset(name for name in _PARAMETERS if getattr(self, name) is not None)]
+
+
+def keys_of_other_models(model: str) -> set[str]:
+    """Keys of a contact that a model does not know.
+
+    Examples
+    --------
+    >>> "stiffness" in keys_of_other_models("hard-sphere"), "restitution" in keys_of_other_models("hard-sphere")
+    (True, False)
+    """
+    return {key for key, models in _MODELS_OF.items() if model not in models}
 
 
 def _quoted(names: tuple[str, ...]) -> list[str]:

@@ -8,6 +8,7 @@ from pydantic import StrictBool, model_validator
 
 from rdpm.config.declared import Choice, Components, LeftOut, Quantity
 from rdpm.config.fields import Model, Vector
+from rdpm.config.inflow import Inflow, check_inflow
 from rdpm.config.rule import RuleError
 from rdpm.conventions import BOUNDARY_KINDS, FACES, BoundaryKind
 
@@ -24,7 +25,7 @@ class Boundary(Model):
     Attributes
     ----------
     x, y, z
-        A wall has no slip.
+        A wall has no slip. `inflow-outflow` is for one direction, and needs `domain.inflow`.
     """
 
     x: Annotated[BoundaryKind, _KIND] = "wall"
@@ -62,12 +63,20 @@ class Domain(Model):
         Acceleration by gravity.
     wall_velocity
         Velocities of walls that move.
+    inflow
+        What enters along the direction whose boundary is `inflow-outflow`; as much leaves at its other end.
     """
 
     size: Annotated[Vector, Components(Quantity("m", gt=0.0))]
     boundary: Boundary = Boundary()
     gravity: Annotated[Vector, _ACCELERATION] = (0.0, 0.0, -9.81)
     wall_velocity: WallVelocity = WallVelocity()
+    inflow: Inflow | None = None
+
+    @property
+    def inflow_axis(self) -> int | None:
+        """Direction of the inflow: 0, 1, 2; None without one."""
+        return self.kinds.index("inflow-outflow") if self.inflow is not None else None
 
     @property
     def kinds(self) -> tuple[BoundaryKind, BoundaryKind, BoundaryKind]:
@@ -84,6 +93,11 @@ class Domain(Model):
     def wall_velocities(self) -> tuple[Vector, ...]:
         """Velocity [m/s] of each face, in the order of `FACES`; zero where none is given."""
         return tuple(getattr(self.wall_velocity, face) or (0.0, 0.0, 0.0) for face in FACES)
+
+    @model_validator(mode="after")
+    def _is_open_along_the_inflow(self) -> Domain:
+        check_inflow(self.kinds, self.inflow)
+        return self
 
     @model_validator(mode="after")
     def _walls_slide(self) -> Domain:

@@ -10,7 +10,7 @@ from rdpm.cases import shipped_names, shipped_text
 from rdpm.config.rule import listed, shown, suggestion
 from rdpm.errors import CaseError
 
-__all__ = ["case_name", "parse_toml", "read_source", "read_text"]
+__all__ = ["case_name", "local_file", "parse_toml", "read_source", "read_text"]
 
 _LARGEST = 64 * 2**20  # bytes; a million centres fit
 
@@ -24,6 +24,34 @@ def case_name(source: str | Path | dict[str, Any]) -> str:
     ('dkt', 'beads', 'case')
     """
     return "case" if isinstance(source, dict) else Path(source).stem or "case"
+
+
+def local_file(name: str, folder: Path | None = None, what: str = "case") -> tuple[Path, str] | None:
+    """The file ``NAME.toml`` that goes before what is shipped under a bare name: it is a copy that was edited.
+
+    Parameters
+    ----------
+    name : str
+        Shipped.
+    folder : Path, optional
+        Where the file is sought; here when left out.
+    what : str
+        Kind of what is shipped, for the note.
+
+    Returns
+    -------
+    (Path, str) or None
+        The file, and a line to tell; None where there is no such file.
+
+    Examples
+    --------
+    >>> local_file("dkt") is None
+    True
+    """
+    path = (folder or Path()) / f"{name}.toml"
+    if not path.is_file():
+        return None
+    return path, f"note: {name} is the file {path} here, not the shipped {what} of that name"
 
 
 def read_source(source: str | Path) -> tuple[str, str, Path]:

@@ -250,6 +250,10 @@ class Contacts:
         Parameters
         ----------
         state : mapping of str to ndarray
+
+        Notes
+        -----
+        Of a law that remembers other things no contact is taken over: one under way begins anew.
         """
 
         def rows(name: str, dtype: np.dtype[np.void], count: int) -> Rows:
@@ -259,7 +263,9 @@ class Contacts:
             return result
 
         history = self._history = History(len(self.bodies), self.law.driver.history, self.box.partners)
-        history.ids = np.array(state["pairs"], np.int32).reshape(-1, 2)
-        history.states = rows("state", history.states.dtype, len(history.ids))
-        history.histories = rows("history", history.histories.dtype, len(history.ids))
+        remembered = {key.removeprefix("history/") for key in state if key.startswith("history/")}
+        if remembered == set(history.histories.dtype.names or ()):
+            history.ids = np.array(state["pairs"], np.int32).reshape(-1, 2)
+            history.states = rows("state", history.states.dtype, len(history.ids))
+            history.histories = rows("history", history.histories.dtype, len(history.ids))
         self._episodes.rows = rows("episodes", EPISODE, len(state["episodes/i"]))

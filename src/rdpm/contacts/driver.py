@@ -58,6 +58,11 @@ class ContactStep:
     rested: int = 0
     capped: int = 0
 
+    @property
+    def lubrication_impulse(self) -> Floats:
+        """The part of ``impulse`` that is lubrication, (N, 3) [N s]; it acts along the lines of centres: no torque."""
+        return self.impulse - self.contact_impulse
+
 
 @dataclass
 class ContactTask:

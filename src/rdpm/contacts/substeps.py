@@ -98,5 +98,5 @@ def _overlap_error(task: ContactTask, pair: int, time: float) -> OverlapError:
         f"{100.0 * fraction:.3g} % of the diameter",
         f"must stay below contact.overlap_limit = {100.0 * task.overlap_limit:g} %",
         f"they met at {state['impact_speed']:.3g} m/s and the contact is too soft for that",
-        "Stiffen it: lower contact.contact_steps or time.step, or give a higher stiffness.",
+        "Stiffen it: raise the stiffness of its model, or lower contact.contact_steps or time.step where it has none.",
     )

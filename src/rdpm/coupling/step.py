@@ -6,6 +6,7 @@ import numpy as np
 
 from rdpm.contacts import nearest_gaps
 from rdpm.coupling.impacts import outer_iterations
+from rdpm.coupling.loads import keep_loads
 from rdpm.coupling.system import System
 
 __all__ = ["step"]
@@ -33,7 +34,7 @@ def step(system: System, dt: float, is_isolated: bool = False) -> None:
             # The lagged forces are a source of the prediction.
             watch.lap("bodies")
         uniform = system.mean_flow.begin(dt, system.force_on_fluid)
-        fluid.predict(dt, uniform)
+        fluid.predict(dt, uniform, time=system.time)
         if immersed is not None:
             immersed.remove_unretained_force(fluid, dt, unretained)
         # u, v, w are the new velocity but for the change of forcing and of pressure.
@@ -52,6 +53,7 @@ def step(system: System, dt: float, is_isolated: bool = False) -> None:
             watch.lap("bodies")
         system.mean_flow.end(dt, uniform, system.force_on_fluid)
 
+    keep_loads(bodies, contact, immersed, dt)
     system.last_contact = contact
     system.time += dt
     system.steps += 1

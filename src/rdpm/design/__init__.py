@@ -18,6 +18,7 @@ from rdpm.design.dimensionless import (
     wet_restitution,
 )
 from rdpm.design.hard_sphere import FiniteContact, finite_contact_error
+from rdpm.design.hard_sphere_design import COMPARED_STEPS, HardSphereDesign, hard_sphere_design
 from rdpm.design.hertz import (
     effective_modulus,
     hertz_contact_time,
@@ -73,9 +74,11 @@ from rdpm.design.tangential import sliding_ratio
 soft_sphere = front_door.soft_sphere
 
 __all__ = [
+    "COMPARED_STEPS",
     "AdaptiveDesign",
     "Design",
     "FiniteContact",
+    "HardSphereDesign",
     "HertzDesign",
     "RepulsiveDesign",
     "Verdict",
@@ -95,6 +98,7 @@ __all__ = [
     "effective_modulus",
     "effective_shear_modulus",
     "finite_contact_error",
+    "hard_sphere_design",
     "hertz_contact_time",
     "hertz_damping",
     "hertz_design",

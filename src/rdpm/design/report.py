@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Literal, Protocol, TypeAlias
 
+from rdpm.design.wording import said
+
 __all__ = ["Row", "Units", "render", "render_rows", "rows"]
 
 Row: TypeAlias = tuple[str, float | None, str, str]
@@ -114,7 +116,7 @@ def render(design: dict[str, Any], units: Units = "si") -> str:
         out.append(f"  {word:<26}{number:>12} {unit:<9} {note}")
     out += ["", "Verdicts"]
     for v in design["verdicts"]:
-        out.append("  " + {"ok": "ok   ", "note": "note: ", "fail": "FAIL "}[v["severity"]] + v["text"])
+        out.append("  " + said(v["severity"], v["text"]))
         if v["severity"] != "ok":
             why = "" if v["reason"] in v["text"] else f"{v['reason']}; "
             out.append(f"       {why}{v['source']}")

@@ -8,6 +8,7 @@ from typing import Any, Literal, TypeAlias
 
 from rdpm.design._checks import Ending
 from rdpm.design.report import render
+from rdpm.design.wording import said
 
 __all__ = ["Advice", "Body", "Design", "Prediction", "Severity", "Tangential", "Verdict"]
 
@@ -54,8 +55,7 @@ class Verdict(_Record):
     """Quantity, value, sign, limit and condition, without the severity; ``str`` gives both."""
 
     def __str__(self) -> str:
-        mark = {"ok": "ok   ", "note": "note: ", "fail": "FAIL "}[self.severity]
-        return mark + self.text
+        return said(self.severity, self.text)
 
 
 @dataclass(frozen=True)

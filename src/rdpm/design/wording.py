@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["percent_text", "speed_text", "time_text"]
+__all__ = ["percent_text", "said", "speed_text", "time_text"]
 
 _TIMES = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
 _SPEEDS = ((1.0, "m/s"), (1e-2, "cm/s"), (1e-3, "mm/s"), (1e-6, "um/s"))
@@ -44,3 +44,14 @@ def percent_text(fraction: float) -> str:
     ('1.31 % d', '0.5 % d')
     """
     return f"{100.0 * fraction:.3g} % d"
+
+
+def said(severity: str, text: str) -> str:
+    """Say a verdict as every table, page and terminal does.
+
+    Examples
+    --------
+    >>> said("fail", "contact resolved by 3 steps < 4")
+    'FAIL contact resolved by 3 steps < 4'
+    """
+    return {"ok": "ok   ", "note": "note: ", "fail": "FAIL "}[severity] + text

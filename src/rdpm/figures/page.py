@@ -8,8 +8,8 @@ from html import escape
 from pathlib import Path
 
 __all__ = [
-    "code", "document", "folded", "heading", "note_list", "paragraph", "picture", "row", "section", "table", "video",
-    "video_beside",
+    "code", "document", "folded", "heading", "note_list", "pairs", "paragraph", "picture", "row", "section", "table",
+    "video", "video_beside",
 ]  # fmt: skip
 
 _LOOK = """
@@ -33,6 +33,8 @@ thead th { color: var(--soft); font-weight: 600; font-size: 0.9rem; } tbody th {
 figure { margin: 1.2rem 0; } figure img, figure video { display: block; max-width: 100%; height: auto;
   margin: 0 auto 0.4rem; border-radius: 6px; background: #fff; border: 1px solid var(--line); }
 figure video { max-height: 88vh; }
+.pairs { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); gap: 1.2rem;
+  align-items: start; } .pairs figure { margin: 0; }
 .row { display: flex; flex-wrap: wrap; gap: 1rem; } .row figure { flex: 1 1 14rem; margin: 0; }
 .warnings { background: var(--warn); border-radius: 6px; padding: 0.6rem 1rem 0.6rem 2rem; }
 details { margin: 0.8rem 0; } pre { overflow-x: auto; background: var(--card); border: 1px solid var(--line);
@@ -178,6 +180,17 @@ def row(parts: Sequence[str]) -> str:
     ''
     """
     return f'<div class="row">{"".join(parts)}</div>' if parts else ""
+
+
+def pairs(parts: Sequence[str]) -> str:
+    """Figures two beside each other, one on a narrow screen; nothing where there is none.
+
+    Examples
+    --------
+    >>> pairs([])
+    ''
+    """
+    return f'<div class="pairs">{"".join(parts)}</div>' if parts else ""
 
 
 def code(text: str) -> str:

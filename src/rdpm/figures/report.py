@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -12,16 +12,16 @@ from rdpm.errors import OutputError
 from rdpm.figures import page, run_charts
 from rdpm.figures.bodies_3d import finish_rendering, start_rendering
 from rdpm.figures.contact_chart import contact_chart
+from rdpm.figures.contact_tables import contact_parts, number_text, range_text
 from rdpm.figures.flow import Slices, flow_chart, load_slices
 from rdpm.figures.paths import trajectory_chart
 from rdpm.figures.plane import Plane, viewing_plane
 from rdpm.figures.style import case_text, save
 from rdpm.figures.video import Scene, make_video
 from rdpm.io.files import replacing
-from rdpm.results.contacts import LEAST_STOKES, MOST_CONTACT_TIMES
 from rdpm.results.dkt import KISS_GAP, TUMBLE_ANGLE
 from rdpm.results.run import Run, load_run
-from rdpm.results.summary import ContactDesign, PairDesign, Summary
+from rdpm.results.summary import Summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,14 +29,6 @@ if TYPE_CHECKING:
 __all__ = ["make_report"]
 
 FigureFormat = Literal["png", "pdf", "svg"]
-
-_PRESSED = (
-    f"A contact is pressed where a flow or a load holds the bodies together: its Stokes number is below "
-    f"{LEAST_STOKES:g}, or it lasts longer than {MOST_CONTACT_TIMES:g} contact times. It is no impact: it has no "
-    "restitution, and its time and steps have no target."
-)
-_DRY = "The target restitution is that of a dry contact; in a fluid it falls with the Stokes number."
-
 
 def make_report(
     folder: str | Path,
@@ -176,11 +168,11 @@ def _page(run: Run, drawn: Sequence[tuple[Path, str]], video: Path | None) -> No
         page.heading(run.title),
         page.paragraph(case_text("", run.case, run.summary, run.diameter)),
         page.note_list(run.summary.warnings),
-        page.section("What it shows", [page.row(shown)]),
+        page.section("What it shows", [page.pairs(shown)]),
         page.section("Drafting, kissing, tumbling", [page.table(_phase_rows(run))]),
         page.section("Key numbers", [page.table(_key_rows(run))]),
-        page.section("Contacts", _contact_parts(run)),
-        page.section("Figures", [page.row(list(pictures.values()))]),
+        page.section("Contacts", contact_parts(run)),
+        page.section("Figures", [page.pairs(list(pictures.values()))]),
         page.section("Where it comes from", [page.table(_origin_rows(run)), _case_file(run)]),
     ]
     with replacing(run.folder.report) as temporary:
@@ -191,37 +183,17 @@ def _case_file(run: Run) -> str:
     return page.folded("case.toml", run.folder.case.read_text(encoding="utf-8"))
 
 
-def _text(value: Any, unit: str = "", factor: float = 1.0) -> str:
-    if value is None:
-        return "–"
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return str(value)
-    is_count = isinstance(value, int) and factor == 1.0
-    number = f"{value:,}".replace(",", " ") if is_count else f"{factor * value:.4g}"
-    return f"{number} {unit}".rstrip()
-
-
-def _range(values: Any, unit: str = "", factor: float = 1.0) -> str:
-    """One value, or the smallest to the largest of those that are known."""
-    known = np.array([v for v in values if v is not None], np.float64)
-    known = factor * known[np.isfinite(known)]
-    if known.size == 0:
-        return "–"
-    low, high = f"{known.min():.3g}", f"{known.max():.3g}"
-    return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
-
-
 def _phase_rows(run: Run) -> list[tuple[str, str]]:
     found = run.summary.dkt or run.phases
     if found is None:
         return []
     return [
-        ("drafting begins", _text(found.drafting_time_s, "s")),
-        (f"first kiss (gap of {100 * KISS_GAP:g} % d)", _text(found.kiss_time_s, "s")),
-        ("kisses", _text(found.kisses)),
-        ("kissing in all", _text(found.kiss_duration_s, "s")),
-        (f"tumbling ({TUMBLE_ANGLE:g}° passed)", _text(found.tumble_time_s, "s")),
-        ("line of centres at the end", _text(found.final_angle_deg, "° from gravity")),
+        ("drafting begins", number_text(found.drafting_time_s, "s")),
+        (f"first kiss (gap of {100 * KISS_GAP:g} % d)", number_text(found.kiss_time_s, "s")),
+        ("kisses", number_text(found.kisses)),
+        ("kissing in all", number_text(found.kiss_duration_s, "s")),
+        (f"tumbling ({TUMBLE_ANGLE:g}° passed)", number_text(found.tumble_time_s, "s")),
+        ("line of centres at the end", number_text(found.final_angle_deg, "° from gravity")),
     ]
 
 
@@ -236,24 +208,24 @@ def _key_rows(run: Run) -> list[tuple[str, str]]:
     limit = f", set by the {s.dt_limit} limit" if s.dt_limit else ""
     speeds = [body.max_speed_m_s for body in s.bodies]
     rows = [
-        ("status", _text(s.status)),
-        ("simulated time", _text(s.time_s, "s")),
-        ("time step", _text(s.dt_s, "ms", 1e3) + limit),
-        ("longest time step", _text(_longest(s), "ms", 1e3)),
-        ("steps", _text(s.steps)),
-        ("greatest speed of a body", _range(speeds, "m/s")),
-        ("Reynolds number at it", _range(_reynolds(run, speeds))),
-        ("largest divergence", _text(s.max_divergence, "1/s")),
-        ("wall time", _text(s.wall_s, "s")),
-        ("cost of a cell and step", _text(s.ns_per_cell_step, "ns")),
-        ("threads", _text(s.threads)),
-        ("peak memory", _text(s.peak_memory_bytes, "MB", 1e-6)),
+        ("status", number_text(s.status)),
+        ("simulated time", number_text(s.time_s, "s")),
+        ("time step", number_text(s.dt_s, "ms", 1e3) + limit),
+        ("longest time step", number_text(_longest(s), "ms", 1e3)),
+        ("steps", number_text(s.steps)),
+        ("greatest speed of a body", range_text(speeds, "m/s")),
+        ("Reynolds number at it", range_text(_reynolds(run, speeds))),
+        ("largest divergence", number_text(s.max_divergence, "1/s")),
+        ("wall time", number_text(s.wall_s, "s")),
+        ("cost of a cell and step", number_text(s.ns_per_cell_step, "ns")),
+        ("threads", number_text(s.threads)),
+        ("peak memory", number_text(s.peak_memory_bytes, "MB", 1e-6)),
     ]
     if s.cells:
         count = f"{int(np.prod(s.cells)):,}".replace(",", " ")
         spacing = " × ".join(f"{1e3 * d:.4g}" for d in s.spacing_m or ())
         rows.insert(1, ("grid", f"{' × '.join(map(str, s.cells))} = {count} cells of {spacing} mm"))
-        rows.insert(2, ("cells a diameter", _text(s.cells_per_diameter)))
+        rows.insert(2, ("cells a diameter", number_text(s.cells_per_diameter)))
     return [(name, value) for name, value in rows if not value.startswith("–")]
 
 
@@ -267,56 +239,6 @@ def _reynolds(run: Run, speeds: Sequence[float | None]) -> list[float]:
     return [u * d / nu for u, d in zip(speeds, run.diameter, strict=True) if u is not None]
 
 
-def _contact_parts(run: Run) -> list[str]:
-    """What was designed beside what was achieved, a table for each kind of contact."""
-    design, rows = run.summary.contact, run.contacts
-    kinds = {pair.kind for pair in design.pairs}
-    kinds |= set(rows["kind"].tolist()) if rows else set()
-    parts = []
-    if design.model:
-        law = f"{design.model}, ending at {str(design.ending).replace('-', ' ')}"
-        parts.append(page.paragraph(f"Law: {law}. {_DRY if run.case.get('fluid') else ''}"))
-    for kind in sorted(kinds):
-        pairs = [pair for pair in design.pairs if pair.kind == kind]
-        found = {name: column[rows["kind"] == kind] for name, column in rows.items()} if rows else {}
-        if rows:
-            found["pressed"] = run.pressed[rows["kind"] == kind]
-        parts.append(page.section(kind, [_contact_table(design, pairs, found)], level=3))
-    return parts
-
-
-def _contact_table(design: ContactDesign, pairs: Sequence[PairDesign], found: dict[str, Any]) -> str:
-    pressed = found["pressed"] if found else np.zeros(0, bool)
-    impacts = {name: column[~pressed] for name, column in found.items()}
-
-    def achieved(name: str, unit: str = "", factor: float = 1.0) -> str:
-        return _range(impacts.get(name, []), unit, factor)
-
-    expected = _range([pair.max_overlap_fraction for pair in pairs], "% d", 100.0)
-    overlaps = [] if expected == "–" else [f"{expected} in a dry impact at the bodies' own speed"]
-    if design.overlap_warning is not None:
-        overlaps.append(f"warned of above {100 * design.overlap_warning:.3g} % d")
-    duration, steps = ([*found.get(name, [])] for name in ("duration_s", "steps"))
-    lines = [
-        ("impacts", "", str(int((~pressed).sum()))),
-        ("restitution", _text(design.restitution), achieved("restitution")),
-        ("contact time", _text(design.contact_time_s, "ms", 1e3), achieved("duration_s", "ms", 1e3)),
-        ("steps in a contact", _text(design.contact_steps), achieved("steps")),
-        ("pressed contacts", "", str(int(pressed.sum())) if pressed.any() else ""),
-        ("time of a pressed contact", "", _range(np.array(duration)[pressed], "s") if pressed.any() else ""),
-        ("steps of a pressed contact", "", _range(np.array(steps)[pressed]) if pressed.any() else ""),
-        ("largest overlap", "; ".join(overlaps), _range(found.get("max_overlap_fraction", []), "% d", 100.0)),
-        ("impact speed", "", _range(found.get("impact_speed_m_s", []), "m/s")),
-        ("Stokes number", "", _range(found.get("stokes_number", []))),
-        ("work of the contact force", "≤ 0", _range(found.get("work_J", []), "J")),
-        ("stiffness k_n", _range([pair.stiffness_N_m for pair in pairs], "N/m"), ""),
-        ("damping η_n", _range([pair.damping_N_s_m for pair in pairs], "N s/m"), ""),
-        ("reduced mass", _range([pair.reduced_mass_kg for pair in pairs], "kg"), ""),
-    ]
-    note = page.paragraph(_PRESSED, soft=True) if pressed.any() else ""
-    return page.table([line for line in lines if set(line[1:]) - {"", "–"}], ("", "target", "achieved")) + note
-
-
 def _origin_rows(run: Run) -> list[tuple[str, str]]:
     s = run.summary
     rows = (
@@ -328,4 +250,4 @@ def _origin_rows(run: Run) -> list[tuple[str, str]]:
         ("ranks", s.ranks),
         ("date utc", s.date_utc),
     )
-    return [(name, _text(value)) for name, value in rows if value is not None]
+    return [(name, number_text(value)) for name, value in rows if value is not None]

@@ -133,8 +133,8 @@ def _columns(names: Sequence[str]) -> int:
 
     Examples
     --------
-    >>> _columns(["$e_n$ = 0.9", "critical"]), _columns(["no more: overlap 0.5 % d", "allowed"]), _columns(["x" * 30])
-    (3, 2, 1)
+    >>> _columns(["$N_c$ = 4", "$N_c$ = 8", "critical"]), _columns(["no more: overlap 0.5 % d", "allowed"])
+    (3, 2)
     """
     longest = max(len(re.sub(r"[$\\\\{}_^]|delta", "", name)) for name in names)
     most = 1 if longest > 24 else 2 if longest > 13 else 3

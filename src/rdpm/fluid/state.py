@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rdpm import _core
 from rdpm.fluid.diffusion import stages_for
+from rdpm.fluid.open_ends import OpenEnds
 from rdpm.fluid.slabs import SlabProjection
 from rdpm.grid import Grid
 from rdpm.parallel.halo import Halo
@@ -72,6 +73,8 @@ class Fluid:
         if self.grid.slab is not None:
             self._halo = Halo(self.ranks, self.grid.slab)
             self._projection = SlabProjection(self.grid, self.ranks, self._halo)
+        inflow = self.grid.box.inflow
+        self._ends = OpenEnds(self.grid, inflow) if inflow is not None else None
 
     @property
     def velocity(self) -> tuple[Field, Field, Field]:
@@ -86,6 +89,8 @@ class Fluid:
     def set_velocity(self, u: Field | float, v: Field | float, w: Field | float) -> None:
         """Change the velocity: inner cells as given, halos from the boundaries.
 
+        In a box with an inflow it begins with that of time 0, and is made divergence-free.
+
         Parameters
         ----------
         u, v, w : float or ndarray broadcastable to (nz+2, ny+2, nx+2), [m/s]
@@ -98,6 +103,10 @@ class Fluid:
             _core.fill_halo(self.grid.core, target, location)
         if self._halo is not None:
             self._halo.exchange(up=self.velocity, down=self.velocity)
+        if self._ends is not None:
+            self._ends.begin(self.velocity)
+            self.project(1.0)
+            self.p.fill(0.0)
 
     def weights(self, dt: float) -> tuple[float, float]:
         """Adams-Bashforth 2 weights of the new and the stored tendency: a and b in eq. (3) of docs/theory/fluid.md.
@@ -109,7 +118,9 @@ class Fluid:
         ratio = 0.5 * dt / self._last_dt
         return 1.0 + ratio, ratio
 
-    def predict(self, dt: float, force: tuple[float, float, float], stages: int | None = None) -> None:
+    def predict(
+        self, dt: float, force: tuple[float, float, float], stages: int | None = None, time: float = 0.0
+    ) -> None:
         """Change u, v, w to the velocity before projection, eq. (3) of docs/theory/fluid.md; tendencies are stored.
 
         Parameters
@@ -119,12 +130,16 @@ class Fluid:
             Uniform, a unit mass.
         stages : int, optional
             Of the stabilised scheme; as many as the step needs when left out.
+        time : float, [s]
+            At the beginning of the step; what enters through an open end may depend on it.
 
         Notes
         -----
-        On return only inner faces hold the prediction; halos and faces on walls are set by `project`.
+        On return only inner faces hold the prediction, and open ends what passes through them; halos and faces on
+        walls are set by `project`.
         """
         now, then = self.weights(dt)
+        passing = self._ends.coming(self.velocity, time, dt) if self._ends else None
         core, (u, v, w), (su, sv, sw) = self.grid.core, self.velocity, self.tendency
         nu = self.kinematic_viscosity
         stages = stages or stages_for(dt, self.grid.spacing, nu)
@@ -142,6 +157,8 @@ class Fluid:
                 if self._halo is not None:
                     below, above = self._halo.deep(rate, stages - 1)
                 _core.diffuse_stabilised(core, q, rate, component, dt, nu, stages, self._scratch, below, above)
+        if self._ends and passing:
+            self._ends.set(self.velocity, *passing)
         self._last_dt = dt
 
     def project(self, dt: float) -> None:

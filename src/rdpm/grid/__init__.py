@@ -2,5 +2,6 @@
 
 from rdpm.grid.box import Box
 from rdpm.grid.grid import Grid, choose_cells
+from rdpm.grid.inflow import Inflow
 
-__all__ = ["Box", "Grid", "choose_cells"]
+__all__ = ["Box", "Grid", "Inflow", "choose_cells"]

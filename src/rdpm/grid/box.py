@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rdpm.conventions import BOUNDARY_KINDS, FACES, NO_NEIGHBOUR, BoundaryKind
 from rdpm.errors import CaseError
+from rdpm.grid.inflow import Inflow
 from rdpm.surfaces import Surface
 
 __all__ = ["Box"]
@@ -24,17 +25,20 @@ class Box:
     size : tuple of float, (3,), [m]
         Lx, Ly, Lz; > 0.
     kinds : tuple of str, (3,)
-        Of the x, y and z pair of faces: "periodic", "wall" (no-slip) or "free-slip". A free-slip face stops bodies as
-        a wall does, but without friction and lubrication.
+        Of the x, y and z pair of faces: "periodic", "wall" (no-slip), "free-slip" or "inflow-outflow". A free-slip face
+        stops bodies as a wall does, but without friction and lubrication. At most one pair lets the fluid through.
     wall_velocity : ndarray, (6, 3), [m/s]
         Tangential velocity of each face in the order of `rdpm.conventions.FACES`: x_lower, x_upper, y_lower, ...
     walls : tuple of Plane or Cylinder
         Within the box. Wall n is partner `rdpm.conventions.FIRST_WALL` - n of a body.
+    inflow : Inflow, optional
+        What enters; needed with "inflow-outflow".
 
     Raises
     ------
     CaseError
-        A size that is not above zero; an unknown kind; a face moving along its normal.
+        A size that is not above zero; an unknown kind; a face moving along its normal; open faces without an inflow
+        along them, or the other way round.
 
     Examples
     --------
@@ -49,6 +53,7 @@ class Box:
     kinds: tuple[BoundaryKind, BoundaryKind, BoundaryKind] = ("wall", "wall", "wall")
     wall_velocity: NDArray[np.float64] = field(default_factory=lambda: np.zeros((6, 3)))
     walls: tuple[Surface, ...] = ()
+    inflow: Inflow | None = None
 
     def __post_init__(self) -> None:
         for axis, (length, kind) in enumerate(zip(self.size, self.kinds, strict=True)):
@@ -57,6 +62,12 @@ class Box:
             if kind not in BOUNDARY_KINDS:
                 rule = "must be " + " or ".join(f'"{name}"' for name in BOUNDARY_KINDS)
                 raise CaseError(f"box kinds[{axis}]", kind, rule, cure="Choose one of them.")
+        opened = [axis for axis, kind in enumerate(self.kinds) if kind == "inflow-outflow"]
+        if opened != ([self.inflow.axis] if self.inflow else []):
+            raise CaseError(
+                "box kinds", list(self.kinds), 'must be "inflow-outflow" along the inflow, and nowhere else',
+                cure="Give the box an inflow along that direction.",
+            )  # fmt: skip
         velocity = np.array(self.wall_velocity, dtype=np.float64).reshape(6, 3)
         object.__setattr__(self, "wall_velocity", velocity)
         along = velocity[np.arange(6), np.arange(6) // 2]
@@ -88,8 +99,11 @@ class Box:
 
     @cached_property
     def table(self) -> NDArray[np.float64]:
-        """Size, period, the faces' velocities, then the walls, as the contact kernels read them: (8 + 5 walls, 3)."""
-        return np.vstack([self.size, self.period, self.wall_velocity, *(wall.row for wall in self.walls)])
+        """Size, period (-1: open), faces' velocities, walls, as the contact kernels read them: (8 + 5 walls, 3)."""
+        period = self.period.copy()
+        if self.inflow is not None:
+            period[self.inflow.axis] = -1.0
+        return np.vstack([self.size, period, self.wall_velocity, *(wall.row for wall in self.walls)])
 
     @cached_property
     def period(self) -> NDArray[np.float64]:

@@ -147,13 +147,18 @@ class Grid:
         return _core.Grid(
             list(self.cells_here),
             list(self.spacing),
-            [BOUNDARY_KINDS.index(kind) for kind in self.boundary],
+            [self._kernel_number(kind) for kind in self.boundary],
             self.box.wall_velocity.ravel().tolist(),
             self.threads,
             slab.first if slab else 0,
             slab.whole if slab else 0,
             [slab.lower is not None, slab.upper is not None] if slab else [False, False],
         )
+
+    def _kernel_number(self, kind: BoundaryKind) -> int:
+        """Kinds as the kernels number them; of two numbers the greater one, where fluid enters at the upper face."""
+        is_down = self.box.inflow is not None and self.box.inflow.velocity < 0.0
+        return BOUNDARY_KINDS.index(kind) + (1 if kind == "inflow-outflow" and is_down else 0)
 
     def zeros(self) -> NDArray[np.float64]:
         """A field of zeros with its halo."""

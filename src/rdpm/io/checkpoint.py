@@ -20,7 +20,7 @@ from rdpm.parallel.gather import Planes
 
 __all__ = ["read_checkpoint", "read_facts", "read_rows", "write_checkpoint"]
 
-SCHEMA = 2
+SCHEMA = 3
 
 # Three lines of text, then the arrays' bytes one after the other: no library stands between the file and its
 # checksum, which is verified before anything else is believed.

@@ -1,4 +1,4 @@
-"""One run in a folder at a time."""
+"""One run in a folder at a time, and which process it is."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 from rdpm.errors import CaseError
 from rdpm.parallel.ranks import ALONE, Ranks, on_root
 
-__all__ = ["locked"]
+__all__ = ["holder", "locked"]
 
 
 @contextmanager
@@ -68,6 +68,69 @@ def _held(path: Path) -> int:
         os.ftruncate(handle, 0)
         os.write(handle, f"{os.getpid()}\n".encode())
     return handle
+
+
+def holder(path: str | Path) -> int | None:
+    """Tell which process holds a lock.
+
+    Parameters
+    ----------
+    path : path
+        Of the lock; need not exist.
+
+    Returns
+    -------
+    int or None
+        The process; None where nobody holds it, as where a run was killed and left the file behind.
+
+    Notes
+    -----
+    The lock itself is tried only where the process that the file names is alive: a run that starts is not disturbed.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> lock = Path(tempfile.mkdtemp()) / "run.lock"
+    >>> with locked(lock):
+    ...     holder(lock) == os.getpid()
+    True
+    >>> holder(lock) is None
+    True
+    """
+    try:
+        with open(path, encoding="ascii", errors="replace") as file:
+            text = file.read(32).strip()
+            process = int(text) if text.isdecimal() else 0
+            if not process or not _is_alive(process):
+                return None
+            return process if _is_locked(file.fileno()) else None
+    except OSError:
+        return None
+
+
+def _is_alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except PermissionError:  # of another user
+        return True
+    except (OSError, OverflowError):
+        return False
+    return True
+
+
+def _is_locked(handle: int) -> bool:
+    try:
+        import fcntl
+    except ImportError:  # no such locks on this system: the process is alive, and that is all there is to know
+        return True
+    try:
+        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:  # a file system without locks
+        return True
+    fcntl.flock(handle, fcntl.LOCK_UN)
+    return False
 
 
 def _open_locked(path: Path) -> int:

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["sphere_surface"]
+__all__ = ["sphere_surface", "surface_level"]
 
 Floats = NDArray[np.float64]
 
@@ -52,3 +52,14 @@ def _split(points: Floats, triangles: NDArray[np.int64]) -> tuple[Floats, NDArra
     ab, bc, ca = (where.reshape(-1, 3) + len(points)).T
     parts = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
     return np.concatenate([points, middle]), np.concatenate([np.stack(p, axis=1) for p in parts])
+
+
+def surface_level(count: int) -> int:
+    """How fine the surfaces of so many spheres are: a sphere has 10 * 4^level + 2 points.
+
+    Examples
+    --------
+    >>> surface_level(2), surface_level(5000)
+    (3, 0)
+    """
+    return 3 if count <= 20 else 2 if count <= 200 else 1 if count <= 2000 else 0

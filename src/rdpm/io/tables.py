@@ -25,15 +25,22 @@ __all__ = [
 ]
 
 # force: hydrodynamic; gap: the smallest to any body or wall; neighbour: that body, -1..-6 a face of
-# the box, `rdpm.conventions.NO_NEIGHBOUR` none.
+# the box, `rdpm.conventions.NO_NEIGHBOUR` none; from hydrodynamic_force on: means since the row before.
 PARTICLE_COLUMNS = (
     "time_s", "id", "x_m", "y_m", "z_m", "u_m_s", "v_m_s", "w_m_s",
     "omega_x_rad_s", "omega_y_rad_s", "omega_z_rad_s", "force_x_N", "force_y_N", "force_z_N",
     "contact_force_x_N", "contact_force_y_N", "contact_force_z_N", "gap_m", "neighbour",
+    "hydrodynamic_force_x_N", "hydrodynamic_force_y_N", "hydrodynamic_force_z_N",
+    "lubrication_force_x_N", "lubrication_force_y_N", "lubrication_force_z_N",
+    "collision_force_x_N", "collision_force_y_N", "collision_force_z_N",
+    "hydrodynamic_torque_x_N_m", "hydrodynamic_torque_y_N_m", "hydrodynamic_torque_z_N_m",
+    "lubrication_torque_x_N_m", "lubrication_torque_y_N_m", "lubrication_torque_z_N_m",
+    "collision_torque_x_N_m", "collision_torque_y_N_m", "collision_torque_z_N_m",
 )
+# outside: what left the range that the design promises, and why; "no" of a contact within.
 CONTACT_COLUMNS = (
     "i", "j", "kind", "start_s", "duration_s", "steps", "max_overlap_fraction", "impact_speed_m_s",
-    "rebound_speed_m_s", "restitution", "stokes_number", "work_J",
+    "rebound_speed_m_s", "restitution", "stokes_number", "work_J", "outside",
 )
 # slip: root mean square of the markers' slip over the fastest body's speed.
 HISTORY_COLUMNS = (
@@ -43,8 +50,8 @@ HISTORY_COLUMNS = (
 TIMING_COLUMNS = ("step", "time_s", "wall_s", "momentum_s", "bodies_s", "poisson_s", "contacts_s")
 
 _HELD = 1 << 20  # bytes of rows that wait for a flush at most
-_INTEGERS = {"id", "neighbour", "i", "j", "step"}
-_TEXTS = {"kind"}
+_INTEGERS = {"id", "neighbour", "i", "j", "step", "point", "line"}
+_TEXTS = {"kind", "outside"}
 
 
 def _integer(value: Any) -> str:
@@ -73,8 +80,8 @@ class TableWriter:
     path : path
         The file; an older one is replaced unless `append_at` is given.
     columns : sequence of str
-        Names for the header line. ``id, neighbour, i, j, step`` hold whole numbers, ``kind`` a word,
-        all others floats.
+        Names for the header line. ``id, neighbour, i, j, step, point, line`` hold whole numbers, ``kind`` and
+        ``outside`` words, all others floats.
     append_at : int, optional, [bytes]
         Continue an existing table from this position (see `tell`): what stands behind it is cut off.
 
@@ -234,7 +241,7 @@ def read_table(path: str | Path) -> dict[str, NDArray[Any]]:
     if not lines:
         raise CaseError(str(path), None, "must have a header line", "the table is empty")
     names = lines[0].split(",")
-    kinds = ["U32" if name in _TEXTS else "i8" if name in _INTEGERS else "f8" for name in names]
+    kinds = ["U64" if name in _TEXTS else "i8" if name in _INTEGERS else "f8" for name in names]
     dtype = np.dtype(list(zip(names, kinds, strict=True)))
     if len(lines) == 1:
         rows = np.zeros(0, dtype)

@@ -9,10 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FREE", "PRESCRIBED", "Bodies"]
+__all__ = ["FREE", "LOADS", "PRESCRIBED", "Bodies"]
 
 FREE = 0
-_CHANGING = ("position", "velocity", "angular_velocity", "orientation", "crossings", "motion")
+
+#: Forces [N] and torques [N m] of the last step on each body, by what exerts them.
+LOADS = (
+    "hydrodynamic_force", "lubrication_force", "collision_force",
+    "hydrodynamic_torque", "lubrication_torque", "collision_torque",
+)  # fmt: skip
+_CHANGING = ("position", "velocity", "angular_velocity", "orientation", "crossings", "motion", *LOADS)
 PRESCRIBED = 1  # velocity given as a function of time; a fixed body is one at rest
 
 Floats = NDArray[np.float64]
@@ -45,6 +51,13 @@ class Bodies:
     crossings : ndarray of int64, (N, 3)
         Times a body left through the upper (+) or lower (-) face of a periodic direction:
         the unwrapped position is ``position + crossings * box_size``.
+    hydrodynamic_force, hydrodynamic_torque : ndarray, (N, 3), [N], [N m]
+        Of the fluid, over the last step, without the hydrostatic part; without the lubrication that the grid does not
+        resolve.
+    lubrication_force, lubrication_torque : ndarray, (N, 3), [N], [N m]
+        Of that lubrication, mean over the sub-steps of the last step.
+    collision_force, collision_torque : ndarray, (N, 3), [N], [N m]
+        Of the contact model, likewise.
     """
 
     diameter: Floats
@@ -57,6 +70,12 @@ class Bodies:
     crossings: NDArray[np.int64] = field(init=False)
     mass: Floats = field(init=False)
     moment_of_inertia: Floats = field(init=False)
+    hydrodynamic_force: Floats = field(init=False)
+    hydrodynamic_torque: Floats = field(init=False)
+    lubrication_force: Floats = field(init=False)
+    lubrication_torque: Floats = field(init=False)
+    collision_force: Floats = field(init=False)
+    collision_torque: Floats = field(init=False)
 
     def __post_init__(self) -> None:
         self.diameter = np.ascontiguousarray(self.diameter, dtype=np.float64)
@@ -71,6 +90,8 @@ class Bodies:
         self.crossings = np.zeros((n, 3), np.int64)
         self.mass = self.density * np.pi / 6.0 * self.diameter**3
         self.moment_of_inertia = 0.1 * self.mass * self.diameter**2
+        for name in LOADS:
+            setattr(self, name, np.zeros((n, 3)))
 
     def __len__(self) -> int:
         return int(self.diameter.size)
@@ -104,6 +125,16 @@ class Bodies:
     def inertia(self) -> Floats:
         """Mass [kg] and moment of inertia [kg m^2], (N, 2), a copy."""
         return np.stack([self.mass, self.moment_of_inertia], axis=1)
+
+    @property
+    def contact_force(self) -> Floats:
+        """Of contact model and lubrication together in the last step, (N, 3) [N], a copy."""
+        return self.collision_force + self.lubrication_force
+
+    @property
+    def contact_torque(self) -> Floats:
+        """Of contact model and lubrication together in the last step, (N, 3) [N m], a copy."""
+        return self.collision_torque + self.lubrication_torque
 
     @property
     def is_free(self) -> NDArray[np.bool_]:

@@ -22,6 +22,10 @@ Floats = NDArray[np.float64]
 #: Markers that are worked on together.
 _BLOCK = 256
 
+#: From a marker to where its delta ends [cells]: beyond, the fluid behind a wall is held at the wall's velocity in a
+#: layer of the next number of cells, and at rest still deeper.
+_DELTA_REACH, _MOVING_LAYER = 1.5, 2.0
+
 
 def wall_points(wall: Surface, size: Floats, spacing: float, depth: float) -> tuple[Floats, float]:
     """Points spread evenly over the part of a wall that is within the box, about one a cell face.
@@ -127,9 +131,11 @@ class WallMarkers:
         self.volume = self._full_volume.copy()
         self.force, self._at_markers = np.zeros((2, len(self), 3))
         self._impulse, self.force_on_fluid = np.zeros((2, 3))  # the impulse over the density
+        self._cell = float(np.prod(grid.spacing))
         first = np.append(np.arange(0, len(self), _BLOCK), len(self)).astype(np.int32)
         self._stencils = _core.Markers(grid.core, first)
         self._stencils.place(grid.core, self.position)
+        self._behind = [_faces_behind(grid, n, (calibration.marker_retraction + _DELTA_REACH) * h) for n in range(3)]
         self._tree: Any = None
 
     def __len__(self) -> int:
@@ -140,12 +146,20 @@ class WallMarkers:
         self._stencils.spread(self.grid.core, *target, self.force, self.volume, factor)
 
     def impose_no_slip(self, velocity: tuple[Floats, Floats, Floats], dt: float) -> None:
-        """Change the fluid's velocity to that of the walls, in one pass of direct forcing, and the forces with it."""
+        """Change the fluid's velocity to that of the walls, in one pass of direct forcing, and the forces with it.
+
+        Behind the reach of the markers the fluid moves with the wall, and is at rest deeper: a flow there would act on
+        the markers.
+        """
         self._stencils.interpolate(self.grid.core, *velocity, self._at_markers)
         change = self.velocity - self._at_markers
         self._stencils.spread(self.grid.core, *velocity, change, self.volume, 1.0)
         self.force += change / dt
         self._impulse += self.volume @ change
+        for n, (q, (at, wanted)) in enumerate(zip(velocity, self._behind, strict=True)):
+            flat = q.reshape(-1)
+            self._impulse[n] += self._cell * float((wanted - flat[at]).sum())
+            flat[at] = wanted
 
     def begin(self, dt: float) -> None:
         """Start a step's sum of impulses with that of the lagged forces."""
@@ -200,3 +214,23 @@ def _velocity(wall: Surface, points: Floats) -> Floats:
     if isinstance(wall, Cylinder):
         velocity += np.cross(np.asarray(wall.row[4]), points - np.asarray(wall.point))
     return velocity
+
+
+def _faces_behind(grid: Grid, component: int, depth: float) -> tuple[NDArray[np.int64], Floats]:
+    """Places in the field of one component that are deeper than this behind a wall, and the wall's velocity there."""
+    counts, spacing, box = np.array(grid.cells), np.array(grid.spacing), grid.box
+    offset = np.where(np.arange(3) == component, 0.0, 0.5)
+    last = counts + 1 - ((np.arange(3) == component) & ~np.array(grid.is_periodic))  # faces on the box's own walls
+    axes = [np.arange(1, last[n]) for n in range(3)]
+    k, j, i = (c.reshape(-1) for c in np.meshgrid(*axes[::-1], indexing="ij"))
+    points = (np.stack([i, j, k], axis=1) - offset) * spacing
+    places = (k * (counts[1] + 2) + j) * (counts[0] + 2) + i
+    deepest, value = np.full(len(points), np.inf), np.zeros(len(points))
+    for wall in box.walls:
+        distance = wall.distance(points, box.period)[0]
+        nearer = distance < np.minimum(deepest, -depth)
+        deepest[nearer] = distance[nearer]
+        moving = distance[nearer] > -depth - _MOVING_LAYER * float(spacing.max())
+        value[nearer] = np.where(moving, _velocity(wall, points[nearer])[:, component], 0.0)
+    behind = np.isfinite(deepest)
+    return places[behind].astype(np.int64), value[behind]

@@ -2,72 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from rdpm.errors import CaseError
-from rdpm.io.vtkhdf import field_grid, field_times, read_fields
+from rdpm.results.fields import open_fields
 from rdpm.results.run_folder import RunFolder
 from rdpm.results.summary import Summary, read_summary
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray
 
-__all__ = ["FieldSeries", "RunFrames", "open_run"]
-
-
-class FieldSeries(Sequence[Any]):
-    """Pictures of the flow as xarray, each read from the disk when it is asked for.
-
-    Parameters
-    ----------
-    path : path
-        ``fields.vtkhdf``.
-
-    Attributes
-    ----------
-    times : ndarray, (T,), [s]
-    """
-
-    def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
-        self.times = field_times(self.path)
-
-    def __len__(self) -> int:
-        return len(self.times)
-
-    @overload
-    def __getitem__(self, step: int) -> Any: ...
-
-    @overload
-    def __getitem__(self, step: slice) -> list[Any]: ...
-
-    def __getitem__(self, step: int | slice) -> Any:
-        """Return one picture: ``velocity`` (z, y, x, component) [m/s] and ``pressure`` (z, y, x) [Pa]."""
-        if isinstance(step, slice):
-            return [self[n] for n in range(len(self))[step]]
-        try:
-            import xarray
-        except ImportError:
-            raise CaseError(
-                "fields", None, "need xarray", "it is not installed", "pip install xarray, or use read_fields."
-            ) from None
-        time, velocity, pressure = read_fields(self.path, step)
-        cells, spacing = field_grid(self.path)
-        axes = {name: (np.arange(n) + 0.5) * h for name, n, h in zip("xyz", cells, spacing, strict=True)}
-        return xarray.Dataset(
-            {
-                "velocity": (("z", "y", "x", "component"), velocity, {"units": "m/s"}),
-                "pressure": (("z", "y", "x"), pressure, {"units": "Pa"}),
-            },
-            {**{name: (name, axis, {"units": "m"}) for name, axis in axes.items()}, "component": list("xyz"),
-             "time": ((), time, {"units": "s"})},
-        )  # fmt: skip
+__all__ = ["RunFrames", "open_run"]
 
 
 @dataclass(frozen=True)
@@ -80,8 +29,18 @@ class RunFrames:
     particles, contacts, history, timing : pandas.DataFrame
         The tables, under the names of their columns.
     summary : Summary
-    fields : FieldSeries
-        Empty where the run stored no flow.
+    fields : xarray.Dataset
+        ``velocity`` (time, z, y, x, component) [m/s] and ``pressure`` (time, z, y, x) [Pa], ``vorticity`` and
+        ``q_criterion`` where the case asked for them. Values are read from the disk as they are used:
+        ``run.fields.isel(time=-1)`` reads the last picture alone. Without variables where the run stored no flow.
+    planes : list of xarray.Dataset
+        Likewise of each plane of the case.
+    averages : xarray.Dataset
+        ``mean_velocity``, ``mean_pressure``, ``velocity_variance`` at the end; without variables where none was made.
+    points, lines : pandas.DataFrame
+        Samples of the flow; `CaseError` where the case asked for none.
+    records : dict of str to pandas.DataFrame
+        The user's own tables by name.
     """
 
     folder: RunFolder
@@ -112,18 +71,47 @@ class RunFrames:
         return self._table("timing")
 
     @cached_property
-    def fields(self) -> Sequence[Any]:
-        """Pictures of the flow, each read when it is asked for."""
-        return FieldSeries(self.folder.fields) if self.folder.fields.is_file() else ()
+    def fields(self) -> xarray.Dataset:
+        """The flow, read as it is used."""
+        return open_fields(self.folder.fields)
+
+    @cached_property
+    def planes(self) -> list[xarray.Dataset]:
+        """The flow on the planes of the case."""
+        return [open_fields(path) for path in self.folder.plane_files]
+
+    @cached_property
+    def averages(self) -> xarray.Dataset:
+        """Time averages of the flow."""
+        found = open_fields(self.folder.averages)
+        return found.isel(time=0) if "time" in found.dims else found
+
+    @cached_property
+    def points(self) -> pd.DataFrame:
+        """Samples of the flow at points."""
+        return _frame(self.folder.points)
+
+    @cached_property
+    def lines(self) -> pd.DataFrame:
+        """Samples of the flow along lines."""
+        return _frame(self.folder.lines)
+
+    @cached_property
+    def records(self) -> dict[str, pd.DataFrame]:
+        """The user's own tables."""
+        return {path.stem: _frame(path) for path in sorted(self.folder.records.glob("*.csv"))}
 
     def _table(self, name: str) -> pd.DataFrame:
-        import pandas as pd
+        return _frame(self.folder.table(name))
 
-        path = self.folder.table(name)
-        try:
-            return pd.read_csv(path)
-        except (OSError, ValueError) as error:
-            raise CaseError(str(path), None, "must be a table of a run", str(error)) from None
+
+def _frame(path: Path) -> pd.DataFrame:
+    import pandas as pd
+
+    try:
+        return pd.read_csv(path)
+    except (OSError, ValueError) as error:
+        raise CaseError(str(path), None, "must be a table of a run", str(error)) from None
 
 
 def open_run(folder: str | Path) -> RunFrames:

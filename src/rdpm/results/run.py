@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rdpm.errors import CaseError
 from rdpm.io.tables import read_table
 from rdpm.io.vtkhdf import field_times
-from rdpm.results.contacts import is_pressed
+from rdpm.results.contacts import is_pressed, outside_range
 from rdpm.results.dkt import DktPhases, from_particles_table
 from rdpm.results.run_folder import RunFolder
 from rdpm.results.summary import Summary, read_summary
@@ -74,6 +74,13 @@ class Run:
     def walls(self) -> tuple[Surface, ...]:
         """Within the box."""
         return tuple(surface_of(wall) for wall in self.case.get("walls", ()))
+
+    @property
+    def outside(self) -> NDArray[np.str_]:
+        """What of each contact left the promised range, see `rdpm.results.contacts.outside_range`: (rows,)."""
+        if self.contacts is None:
+            return np.zeros(0, np.str_)
+        return outside_range(self.contacts, self.pressed, self.summary.contact)
 
     @property
     def period(self) -> Floats:

@@ -59,6 +59,39 @@ class RunFolder:
         return [self.table(name) for name in TABLES]
 
     @property
+    def points(self) -> Path:
+        """Samples of the flow at the points of the case."""
+        return self.path / "points.csv"
+
+    @property
+    def lines(self) -> Path:
+        """Likewise along its lines."""
+        return self.path / "lines.csv"
+
+    def plane(self, number: int) -> Path:
+        """The flow on a plane of the case, as VTKHDF."""
+        return self.path / f"plane-{number}.vtkhdf"
+
+    @property
+    def plane_files(self) -> list[Path]:
+        """Planes that are there, in the order of the case."""
+        return sorted(self.path.glob("plane-*.vtkhdf"), key=lambda path: int(path.stem.removeprefix("plane-")))
+
+    @property
+    def averages(self) -> Path:
+        """Time averages of the flow, as VTKHDF."""
+        return self.path / "averages.vtkhdf"
+
+    @property
+    def records(self) -> Path:
+        """The folder of the user's own tables."""
+        return self.path / "records"
+
+    def record(self, name: str) -> Path:
+        """A table of the user's own."""
+        return self.records / f"{name}.csv"
+
+    @property
     def fields(self) -> Path:
         """Velocity and pressure of the fluid, as VTKHDF."""
         return self.path / "fields.vtkhdf"

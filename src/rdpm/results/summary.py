@@ -19,6 +19,7 @@ __all__ = [
     "BodySummary",
     "ContactDesign",
     "ContactTotals",
+    "DesignQuantity",
     "PairDesign",
     "Summary",
     "read_summary",
@@ -47,6 +48,15 @@ class BodySummary:
 
 
 @dataclass(frozen=True)
+class DesignQuantity:
+    """A number of a design: ``name``, ``value`` and its ``unit``."""
+
+    name: str
+    value: float
+    unit: str = ""
+
+
+@dataclass(frozen=True)
 class PairDesign:
     """Contact parameters of one kind of pair.
 
@@ -57,6 +67,12 @@ class PairDesign:
     reduced_mass_kg, stiffness_N_m, damping_N_s_m, contact_time_s, restitution : float
     max_overlap_fraction : float, [-]
         Of the smaller diameter, that a dry impact at the bodies' own speed would reach.
+    impact_speed_m_s, diameter_m : float
+        That speed; the smaller diameter.
+    quantities : tuple of DesignQuantity
+        What else was designed, of models other than the soft sphere.
+    verdicts : tuple of str
+        "ok", "note" or "FAIL", quantity, value, sign, limit, condition.
     """
 
     kind: str
@@ -66,6 +82,10 @@ class PairDesign:
     contact_time_s: float | None = None
     restitution: float | None = None
     max_overlap_fraction: float | None = None
+    impact_speed_m_s: float | None = None
+    diameter_m: float | None = None
+    quantities: tuple[DesignQuantity, ...] = ()
+    verdicts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -84,6 +104,8 @@ class ContactDesign:
     pairs : tuple of PairDesign
     overlap_warning : float, [-]
         Overlap that the case allows without a warning.
+    rest_speed_m_s : float
+        Of hard spheres: slower contacts do not rebound.
     """
 
     model: str | None = None
@@ -95,6 +117,7 @@ class ContactDesign:
     lubrication: bool | None = None
     pairs: tuple[PairDesign, ...] = ()
     overlap_warning: float | None = None
+    rest_speed_m_s: float | None = None
 
     @property
     def contact_times(self) -> dict[str, float]:
@@ -122,6 +145,10 @@ class ContactTotals:
     came_to_rest, capped : int
         Hard spheres: contacts slower than the rest speed, or beyond the most events of a pair in a step; and of these
         the latter.
+    outside : int
+        Contacts that left the range that the design promises.
+    outside_reasons : mapping of str to int
+        What left it, and why; see `rdpm.results.contacts.outside_range`.
     """
 
     count: int = 0
@@ -130,6 +157,8 @@ class ContactTotals:
     pressed: int = 0
     came_to_rest: int = 0
     capped: int = 0
+    outside: int = 0
+    outside_reasons: Mapping[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -3,30 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rdpm.config.output import Output
 from rdpm.contacts import nearest_gaps
-from rdpm.errors import OutputError
-from rdpm.io.files import reporting
+from rdpm.fluid import Fluid
+from rdpm.fluid.derived import vorticity_and_q
 from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, TableWriter
-from rdpm.io.vtkhdf import BodyWriter, FieldWriter
+from rdpm.io.vtkhdf import FLOW, FieldWriter
+from rdpm.io.vtkhdf_bodies import BodyWriter
 from rdpm.io.wall_surface import write_walls
 from rdpm.parallel.gather import Planes, with_planes
 from rdpm.parallel.ranks import OnRoot, on_root
-from rdpm.results.contacts import is_pressed
+from rdpm.particles.state import LOADS
+from rdpm.results.contacts import NOT_OUTSIDE, count_reasons, is_pressed, outside_range
 from rdpm.results.run_folder import TABLES, RunFolder
-from rdpm.simulation.schedule import Every
+from rdpm.results.summary import ContactDesign
+from rdpm.runs.continued import continued
+from rdpm.runs.flow_samples import FlowSamples, probes
+from rdpm.runs.record_tables import RecordTables
 from rdpm.simulation.time_loop import TimeLoop
 
 __all__ = ["Recorder"]
-
-Writer = TypeVar("Writer")
 
 
 class Recorder:
@@ -40,36 +44,41 @@ class Recorder:
     simulation : TimeLoop
     folder : RunFolder
         Must exist.
-    table_every, fields_every : float, [s]
-        Of simulated time; fields are not written at 0.
+    output : Output
+        What the case asks for.
     resumed : tuple of (mapping of str to ndarray, mapping), optional
         What `state` gave: the files are continued from there, later rows and fields dropped.
     note : callable, optional
         Gets a sentence about a file that could not be continued.
-    contact_times : mapping of str to float, optional, [s]
-        Of the design, by kind of contact: tells impacts from pressed contacts.
+    design : ContactDesign, optional
+        Tells impacts from pressed contacts, and what left the range that it promises.
+    records : RecordTables, optional
+        The user's own.
     """
 
     def __init__(
         self,
         simulation: TimeLoop,
         folder: RunFolder,
-        table_every: float,
-        fields_every: float,
+        output: Output,
         resumed: tuple[Mapping[str, NDArray[Any]], Mapping[str, Any]] | None = None,
         note: Callable[[str], None] | None = None,
-        contact_times: Mapping[str, float] | None = None,
+        design: ContactDesign | None = None,
+        records: RecordTables | None = None,
     ) -> None:
-        self.simulation = simulation
-        self._contact_times = contact_times or {}
-        self._tables, self._fields = Every(table_every), Every(fields_every)
-        fluid, bodies = simulation.fluid, simulation.bodies
+        self.simulation, self._output = simulation, output
+        self._design = design or ContactDesign()
+        self._tables = simulation.asked(output.table_every or 0.0)
+        self._fields = simulation.asked(output.fields_every or 0.0)
+        bodies = simulation.bodies
         self._contact_impulse = np.zeros((len(bodies), 3))
+        self._impulses = np.zeros((len(LOADS), len(bodies), 3))
         self._since = simulation.time
         self._last_row = -1.0
         self._deepest = 0.0
         self.episodes: dict[str, Any] = {
             "count": 0, "pressed": 0, "max_overlap_fraction": 0.0, "total_time_s": 0.0, "came_to_rest": 0, "capped": 0,
+            "outside": 0, "outside_reasons": {},
         }  # fmt: skip
         self.max_speed = np.linalg.norm(bodies.velocity, axis=1)
         arrays, facts = resumed or ({}, {})
@@ -79,30 +88,52 @@ class Recorder:
             for name, columns in TABLES.items():
                 make = partial(TableWriter, folder.table(name), columns, at.get(name))
                 writers[name] = files.enter_context(OnRoot(ranks, make))
-            self._flow = self._shapes = None
-            until = simulation.time if resumed else None
-            if fields_every > 0.0 and fluid:
-                cells, spacing = fluid.grid.cells, fluid.grid.spacing
-                self._flow = OnRoot(ranks, lambda: _continued(
-                    folder.fields, until, note, lambda path, keep: FieldWriter(path, cells, spacing, keep)
-                ))
-            box = simulation.system.contacts.box
-            if fields_every > 0.0 and box.walls:
-                on_root(ranks, lambda: write_walls(folder.walls, box.walls, box.size))
-            if fields_every > 0.0 and len(bodies):
-                self._shapes = OnRoot(ranks, lambda: _continued(folder.bodies, until, note, BodyWriter))
+            self._flow: OnRoot | None = None
+            self._shapes: OnRoot | None = None
+            self._open_fields(folder, simulation.time if resumed else None, note)
             self._particles, self._contacts, self._history, self._timing = writers.values()
             self._writers = writers
+            self._probes = files.enter_context(closing(RecordTables(simulation, probes(simulation, output, folder))))
+            self._records = files.enter_context(closing(records or RecordTables(simulation, [])))
+            self._samples = FlowSamples(simulation, output, folder) if simulation.fluid else None
             if resumed:
                 self._take_over(arrays, facts)
             else:
                 self._write()
+            self._probes.open(facts.get("probes"), note)
+            self._records.open(facts.get("records"), note)
+            if self._samples:
+                self._samples.open((arrays, facts["samples"]) if resumed else None, note)
             self._files = files.pop_all()
         simulation.on_step(self.step)
 
+    def _open_fields(self, folder: RunFolder, until: float | None, note: Callable[[str], None] | None) -> None:
+        fluid, output, ranks = self.simulation.fluid, self._output, self.simulation.system.ranks
+        if not output.fields_every:
+            return
+        if fluid:
+            cells, spacing = fluid.grid.cells, fluid.grid.spacing
+            quantities = FLOW | ({"vorticity": 3} if output.vorticity else {})
+            quantities |= {"q_criterion": 1} if output.q_criterion else {}
+
+            def made(path: Path, keep: float | None) -> FieldWriter:
+                return FieldWriter(path, cells, spacing, keep, quantities, tolerance=output.fields_tolerance)
+
+            self._flow = OnRoot(ranks, lambda: continued(folder.fields, until, note, made))
+        if len(self.simulation.bodies):
+            self._shapes = OnRoot(ranks, lambda: continued(folder.bodies, until, note, BodyWriter))
+        box = self.simulation.system.contacts.box
+        if box.walls:
+            on_root(ranks, lambda: write_walls(folder.walls, box.walls, box.size))
+
     def state(self) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
         """Sums and schedules, and where each table, now safe on the disk, stands: arrays, and plain values."""
-        return {"contact_impulse": self._contact_impulse, "max_speed": self.max_speed}, {
+        arrays = {"contact_impulse": self._contact_impulse, "impulses": self._impulses, "max_speed": self.max_speed}
+        sampled, samples = self._samples.state() if self._samples else ({}, {})
+        return arrays | sampled, {
+            "probes": self._probes.state(),
+            "records": self._records.state(),
+            "samples": samples,
             "positions": {name: writer.sync() for name, writer in self._writers.items()},
             "counts": [self._tables.count, self._fields.count],
             "since_s": self._since,
@@ -113,6 +144,7 @@ class Recorder:
 
     def _take_over(self, arrays: Mapping[str, NDArray[Any]], facts: Mapping[str, Any]) -> None:
         np.copyto(self._contact_impulse, arrays["contact_impulse"])
+        np.copyto(self._impulses, arrays["impulses"])
         np.copyto(self.max_speed, arrays["max_speed"])
         self._tables.count, self._fields.count = facts["counts"]
         self._since, self._deepest = facts["since_s"], facts["deepest"]
@@ -130,20 +162,33 @@ class Recorder:
         contact = simulation.system.last_contact
         if contact is not None and len(simulation.bodies):
             self._contact_impulse += contact.impulse
+            for sum_, name in zip(self._impulses, LOADS, strict=True):
+                sum_ += simulation.last_dt * getattr(simulation.bodies, name)
             self._deepest = max(self._deepest, contact.max_overlap_fraction)
             self.episodes["came_to_rest"] += contact.rested
             self.episodes["capped"] += contact.capped
             np.maximum(self.max_speed, np.linalg.norm(simulation.bodies.velocity, axis=1), out=self.max_speed)
         self._take_episodes()
         self._write()
+        self._probes.step()
+        self._records.step()
+        if self._samples:
+            self._samples.step()
 
     def _take_episodes(self) -> None:
         rows = self.simulation.system.contacts.take_episodes()
         if not len(rows):
             return
-        pressed = is_pressed(rows["kind"], rows["stokes_number"], rows["duration_s"], self._contact_times)
+        pressed = is_pressed(rows["kind"], rows["stokes_number"], rows["duration_s"], self._design.contact_times)
         rows["restitution"][pressed] = np.nan
-        self._contacts.write([[row[name] for name in CONTACT_COLUMNS] for row in rows])
+        outside = outside_range(rows, pressed, self._design)
+        self._contacts.write(
+            [[*(row[name] for name in CONTACT_COLUMNS[:-1]), said] for row, said in zip(rows, outside, strict=True)]
+        )
+        reasons = self.episodes["outside_reasons"]
+        for reason, count in count_reasons(outside).items():
+            reasons[reason] = reasons.get(reason, 0) + count
+        self.episodes["outside"] += int((outside != NOT_OUTSIDE).sum())
         self.episodes["pressed"] += int(pressed.sum())
         self.episodes["count"] += len(rows)
         self.episodes["total_time_s"] += float(rows["duration_s"].sum())
@@ -174,9 +219,11 @@ class Recorder:
         flow = system.immersed.hydrodynamic_force if system.immersed else np.zeros((n, 3))
         gap, neighbour = nearest_gaps(bodies, system.contacts.box)
         state = (bodies.position, bodies.velocity, bodies.angular_velocity)
-        columns = (np.full(n, sim.time), np.arange(n), *state, flow, contact, gap, neighbour)
+        means = self._impulses / span if span > 0.0 else self._impulses
+        columns = (np.full(n, sim.time), np.arange(n), *state, flow, contact, gap, neighbour, *means)
         self._particles.write(np.column_stack(columns))
         self._contact_impulse[:] = 0.0
+        self._impulses[:] = 0.0
         self._since = sim.time
 
     def _write_history(self) -> None:
@@ -205,37 +252,28 @@ class Recorder:
         sim = self.simulation
         if self._flow and sim.fluid:
             ranks, flow = sim.system.ranks, self._flow.inner
-            planes = [Planes(ranks, values) for values in sim.fluid.cell_values()]
+            planes = [Planes(ranks, part) for part in (*sim.fluid.cell_values(), *self._derived(sim.fluid))]
             with_planes(ranks, planes, lambda: flow.write(sim.time, *planes))
         if self._shapes:
             b = sim.bodies
             self._shapes.write(sim.time, b.position, b.diameter, b.velocity, b.angular_velocity)
 
+    def _derived(self, fluid: Fluid) -> list[NDArray[np.float32]]:
+        output = self._output
+        if not (output.vorticity or output.q_criterion):
+            return []
+        vorticity, q = vorticity_and_q(fluid)
+        return [*([vorticity] if output.vorticity else []), *([q] if output.q_criterion else [])]
+
     def close(self) -> None:
-        """Record contacts still open, write a last row, and close the tables."""
+        """Record contacts still open, write a last row and the averages, and close the tables."""
         sim = self.simulation
         try:
             sim.system.contacts.close_open(sim.time, sim.dt)
             self._take_episodes()
             if sim.time > self._last_row:
                 self._write_tables()
+            if self._samples:
+                self._samples.close()
         finally:
             self._files.close()
-
-
-def _continued(
-    path: Path, until: float | None, note: Callable[[str], None] | None, make: Callable[[Path, float | None], Writer]
-) -> Writer:
-    """Open a file of fields to go on after `until`; a broken one is set aside, as no checkpoint depends on it."""
-    try:
-        return make(path, until)
-    except (OutputError, KeyError, RuntimeError, ValueError) as error:
-        is_refused = "errno" in str(error.__cause__) or getattr(error.__cause__, "errno", None) is not None
-        if until is None or is_refused:   # by the system: the file itself may be good
-            raise
-        aside = path.with_suffix(".broken")
-        with reporting(aside):
-            path.replace(aside)
-        if note:
-            note(f"{path} was broken off while it was written: a new one begins, the old is {aside}")
-        return make(path, None)

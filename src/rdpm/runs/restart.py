@@ -14,7 +14,8 @@ from rdpm.runs.checkpoints import Saved
 
 __all__ = ["case_to_branch", "case_to_continue"]
 
-_KEPT = ("output.table_every", "output.fields_every")  # the files of the run go on as they began
+#: Keys of [output] that a run that continues may change: the files of the run go on as they began.
+_FREE_OUTPUT = ("checkpoint_every", "checkpoints_kept", "report", "video")
 _FREE = ("title", "time.end", "output")
 _AUTOMATIC = ("time.step", "time.diffusion")  # chosen when the run began
 _FREE_IN_A_BRANCH = ("title", "time", "output", "contact")
@@ -56,10 +57,11 @@ def case_to_continue(requested: Case, saved: Saved, tell: Callable[[str], None])
             "Leave these as they were, or start a new run from it with --from.",
         )
     for key, was, now in different:
-        if key in _KEPT:
-            tell(f"note: {key} stays {was:g} s in a run that continues, not {now:g} s")
-    kept = {name: getattr(began.output, name) for name in ("table_every", "fields_every")}
-    update: dict[str, Any] = {"title": requested.title, "output": requested.output.model_copy(update=kept)}
+        if key.startswith("output.") and key.partition(".")[2] not in _FREE_OUTPUT:
+            unit = " s" if key.endswith(("_every", "_from")) else ""
+            tell(f"note: {key} stays {_short(was)}{unit} in a run that continues, not {_short(now)}{unit}")
+    free = {name: getattr(requested.output, name) for name in _FREE_OUTPUT}
+    update: dict[str, Any] = {"title": requested.title, "output": began.output.model_copy(update=free)}
     if requested.time.end != began.time.end:
         same = _same_steps(saved, began.time.step == "adaptive")
         update["time"] = began.time.model_copy(update={"end": requested.time.end, **same})

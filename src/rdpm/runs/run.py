@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ from rdpm.errors import CaseError
 from rdpm.io.files import reporting
 from rdpm.parallel.ranks import on_root, world
 from rdpm.results.frames import RunFrames, open_run
-from rdpm.runs.runner import run_case
+from rdpm.runs.runner import OwnRecord, run_case
 from rdpm.setup import Simulation, plan
 
 __all__ = ["run"]
@@ -23,6 +23,7 @@ def run(
     out: str | Path,
     *,
     on_step: Callable[[Simulation], None] | None = None,
+    record: Mapping[str, OwnRecord] | None = None,
     threads: int | None = None,
     resume: bool = False,
 ) -> RunFrames:
@@ -36,6 +37,10 @@ def run(
         New or empty; of the run to be continued with `resume`. Missing folders above it are made.
     on_step : callable, optional
         Called after every step with the simulation, before the step's rows are written; on every rank.
+    record : mapping of str to callable, or to (callable, float or str), optional
+        Own tables by name: a function of the simulation, and how often (seconds, or text with a unit; as often as the
+        tables where it is not said). Written to ``records/NAME.csv``; see `rdpm.simulation.record.Record` for what the
+        function may give. Checkpoints hold no functions: to continue a table, give its function again with `resume`.
     threads : int, optional
         All processors, or OMP_NUM_THREADS, when left out.
     resume : bool
@@ -59,15 +64,18 @@ def run(
     >>> case = {"domain": {"size": [0.1, 0.1, 0.1]}, "bodies": [bead], "time": {"end": 0.05, "step": "1 ms"},
     ...         "output": {"report": False}}
     >>> heights = []
-    >>> found = rdpm.run(case, tempfile.mkdtemp(), on_step=lambda sim: heights.append(sim.bodies.position[0, 2]))
+    >>> found = rdpm.run(case, tempfile.mkdtemp(), on_step=lambda sim: heights.append(sim.bodies.position[0, 2]),
+    ...                  record={"energy_J": (lambda sim: 0.5 * sim.bodies.mass @ sim.bodies.velocity[:, 2]**2, "10 ms")})
     >>> len(heights), found.summary.steps, round(float(found.particles["z_m"].iloc[-1]), 6)
     (50, 50, 0.037738)
+    >>> found.records["energy_J"].round(6).values[-1].tolist()
+    [0.05, 0.000157]
     """
     loaded = case if isinstance(case, Case) else load_case(case)
     plan(loaded)  # refuses what cannot run, before a folder is made
     folder, ranks = Path(out), world()
     on_root(ranks, lambda: _make_folder(folder, resume))
-    run_case(loaded, folder, threads=threads, resume=resume, on_step=on_step, ranks=ranks)
+    run_case(loaded, folder, threads=threads, resume=resume, on_step=on_step, ranks=ranks, record=record)
     return open_run(folder)
 
 

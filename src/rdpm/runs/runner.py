@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Mapping
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -18,14 +18,20 @@ from rdpm.results.run_folder import RunFolder
 from rdpm.results.summary import Summary, read_summary, write_summary
 from rdpm.results.warnings import RunWarning
 from rdpm.runs.checkpoints import FIELDS, Checkpoints, Saved, discard_later, load_newest, restore
+from rdpm.runs.record_tables import RecordTables
 from rdpm.runs.recorder import Recorder
 from rdpm.runs.restart import case_to_branch, case_to_continue
 from rdpm.runs.stopping import Interrupted, listening
 from rdpm.runs.summary import contact_design, summarise
 from rdpm.runs.warnings import crowded, planned
 from rdpm.setup import Plan, Simulation
+from rdpm.setup.build import interval_of
+from rdpm.simulation.record import Record
 
-__all__ = ["Reporter", "run_case"]
+__all__ = ["OwnRecord", "Reporter", "run_case"]
+
+#: A function of the simulation, alone or with how often it is asked: seconds, or text with a unit.
+OwnRecord = Callable[[Simulation], Any] | tuple[Callable[[Simulation], Any], float | str]
 
 
 class Reporter(Protocol):
@@ -55,6 +61,7 @@ def run_case(
     within: float | None = None,
     on_step: Callable[[Simulation], None] | None = None,
     ranks: Ranks | None = None,
+    record: Mapping[str, OwnRecord] | None = None,
 ) -> Summary:
     """Run a case to its end; write its tables, fields, checkpoints, summary and report into a folder.
 
@@ -76,6 +83,10 @@ def run_case(
         How long before that time the checkpoint may be; 1 % of the time when left out.
     on_step : callable, optional
         Called after every step with the simulation, before the step's rows are written; on every rank.
+    record : mapping of str to callable, or to (callable, float or str), optional
+        Own tables by name, each written to ``records/NAME.csv``: a function of the simulation, and how often (as often
+        as the tables where it is not said); see `rdpm.simulation.record.Record` for what it may give. Checkpoints hold
+        no functions: to continue a table, give its function again with `resume`.
     ranks : Ranks, optional
         That share the run; those that a launcher started when left out.
 
@@ -99,7 +110,9 @@ def run_case(
         leave = FIELDS if ranks.size > 1 else frozenset()
         case, saved, summary = on_root(ranks, lambda: _start(case, files, teller, resume, start, within, leave))
         if summary is None:
-            summary = _Run(case, files, threads, teller, saved, resume and saved is not None, on_step).to_end()
+            summary = _Run(
+                case, files, threads, teller, saved, resume and saved is not None, on_step, record or {}
+            ).to_end()
         on_root(ranks, lambda: _report(case, files, summary, teller))
         return summary
 
@@ -133,8 +146,8 @@ def _is_untouched(files: RunFolder) -> bool:
     if files.checkpoint_files():
         return False
     # The first checkpoint is written before the first step: what is there without one holds no result.
-    shapes = {files.fields, files.bodies, files.walls}
-    first = {files.case, files.log, files.lock, files.checkpoints, *shapes, *files.tables}
+    first = {files.case, files.log, files.lock, files.checkpoints, files.fields, files.bodies, *files.tables}
+    first |= {files.walls, files.points, files.lines, files.records, *files.plane_files}
     if all(path in first or path.name.startswith(".") for path in files.path.iterdir()):
         return True
     raise CheckpointError(
@@ -213,12 +226,18 @@ class _Teller:
         self.tell("update", step, time, end)
 
 
+def _own_record(simulation: Simulation, name: str, given: OwnRecord) -> Record:
+    function, every = given if isinstance(given, tuple) and len(given) == 2 else (given, None)
+    return Record(name, function, simulation.asked(interval_of(name, every, simulation.case)))
+
+
 class _Run:
     """One run from its start, or from a checkpoint, to its end."""
 
     def __init__(
         self, case: Case, files: RunFolder, threads: int | None, teller: _Teller, saved: Saved | None, is_same: bool,
-        on_step: Callable[[Simulation], None] | None = None,
+        on_step: Callable[[Simulation], None] | None,
+        record: Mapping[str, OwnRecord],
     ) -> None:
         self.case, self.files, self.teller = case, files, teller
         self.saved, self.is_same = saved, is_same
@@ -232,6 +251,9 @@ class _Run:
             simulation.on_step(lambda _: on_step(simulation))
         if saved is not None:
             together(ranks, lambda: restore(simulation, saved, is_same))
+        own = [(_own_record(simulation, name, given), files.record(name)) for name, given in record.items()]
+        self.records = RecordTables(simulation, own)
+        if saved is not None:
             teller.note(f"{'continued' if is_same else 'started'} from {saved.path}, t = {saved.time:.6g} s")
 
     def to_end(self) -> Summary:
@@ -245,8 +267,7 @@ class _Run:
         output = case.output
         resumed = (saved.part("recorder"), saved.facts["recorder"]) if saved is not None and self.is_same else None
         with Recorder(
-            simulation, files, output.table_every or 0.0, output.fields_every or 0.0, resumed, self.teller.warn,
-            contact_design(simulation).contact_times,
+            simulation, files, output, resumed, self.teller.warn, contact_design(simulation), self.records,
         ) as recorder:
             every = output.checkpoint_every or 0.0
             checkpoints = Checkpoints(simulation, recorder, files, text, every, output.checkpoints_kept)

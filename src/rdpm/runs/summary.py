@@ -7,15 +7,18 @@ from typing import Any
 
 import numpy as np
 
+from rdpm.contacts import HardSphere
+from rdpm.design import Design
 from rdpm.io.provenance import environment, peak_memory_bytes
 from rdpm.io.tables import read_table
 from rdpm.results.dkt import DktPhases, from_particles_table
 from rdpm.results.run_folder import RunFolder
-from rdpm.results.summary import BodySummary, ContactDesign, ContactTotals, PairDesign, Summary
+from rdpm.results.summary import BodySummary, ContactDesign, ContactTotals, DesignQuantity, PairDesign, Summary
 from rdpm.results.warnings import RunWarning, each_once
 from rdpm.runs.recorder import Recorder
 from rdpm.runs.warnings import happened
 from rdpm.setup import Simulation
+from rdpm.setup.contact import AnyDesign
 
 __all__ = ["contact_design", "summarise"]
 
@@ -124,24 +127,30 @@ def contact_design(simulation: Simulation) -> ContactDesign:
     restitution = given.restitution if given.restitution is not None or not designs else designs[0][1].restitution
     return ContactDesign(
         model=given.model,
-        ending=given.ending if given.model == "soft-sphere" else None,
+        ending=given.ending if given.model in ("soft-sphere", "hertz") else None,
         contact_time_s=shortest,
         contact_steps=shortest / _contact_step(simulation) if shortest else None,
         restitution=restitution,
-        friction=given.friction,
+        friction=given.friction if given.model != "repulsive" else None,
         lubrication=given.lubrication,
         overlap_warning=given.overlap_warning,
-        pairs=tuple(
-            PairDesign(
-                kind=kind,
-                reduced_mass_kg=d.reduced_mass_kg,
-                stiffness_N_m=d.stiffness_N_m,
-                damping_N_s_m=d.damping_N_s_m,
-                contact_time_s=d.contact_time_s,
-                restitution=d.restitution,
-                max_overlap_fraction=d.max_overlap_fraction,
-            )
-            for kind, d in designs
-        ),
+        rest_speed_m_s=simulation.plan.law.rest_speed if isinstance(simulation.plan.law, HardSphere) else None,
+        pairs=tuple(_pair_design(kind, design) for kind, design in designs),
     )
 
+
+def _pair_design(kind: str, d: AnyDesign) -> PairDesign:
+    rows = [] if isinstance(d, Design) else d.rows()
+    return PairDesign(
+        kind=kind,
+        reduced_mass_kg=d.reduced_mass_kg,
+        stiffness_N_m=d.stiffness_N_m,
+        damping_N_s_m=d.damping_N_s_m,
+        contact_time_s=d.contact_time_s,
+        restitution=d.restitution,
+        max_overlap_fraction=d.max_overlap_fraction,
+        impact_speed_m_s=d.impact_speed_m_s,
+        diameter_m=d.diameter_m,
+        quantities=tuple(DesignQuantity(name, value, unit) for name, value, unit, _ in rows if value is not None),
+        verdicts=tuple(map(str, d.verdicts)),
+    )

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from rdpm.config.case import Case
+from rdpm.config.declared import Quantity
 from rdpm.config.load import load_case
+from rdpm.config.rule import RuleError
 from rdpm.contacts import Contacts, Lubrication
 from rdpm.coupling.mean_flow import MeanFlow
 from rdpm.coupling.system import System
 from rdpm.errors import CaseError
 from rdpm.fluid import Fluid
 from rdpm.grid import Box, Grid
-from rdpm.parallel.decomposition import Slab, cut, slabs
 from rdpm.parallel.ranks import Ranks, world
 from rdpm.parallel.threads import available_threads
 from rdpm.particles.calibration import CALIBRATION, Calibration
@@ -24,10 +26,13 @@ from rdpm.particles.immersed import ImmersedBodies
 from rdpm.particles.prescribed import Motion, Prescription
 from rdpm.particles.shared import SharedBodies
 from rdpm.particles.state import Bodies
+from rdpm.setup.inflow import inflow_of
+from rdpm.setup.on_ranks import slab_of
 from rdpm.setup.plan import Plan, plan
+from rdpm.simulation.record import Record
 from rdpm.simulation.time_loop import TimeLoop
 
-__all__ = ["Simulation", "lubrication_correction"]
+__all__ = ["Simulation", "interval_of", "lubrication_correction"]
 
 
 class Simulation(TimeLoop):
@@ -81,17 +86,69 @@ class Simulation(TimeLoop):
         system = _system(self.plan, threads or available_threads(ranks.sharers), calibration, ranks)
         super().__init__(system, self.plan.step.dt, self.plan.step_control)
 
+    def record(self, name: str, function: Callable[[Self], Any], every: float | str | None = None) -> Record:
+        """Keep what a function gives, now and at every multiple of an interval: a column or a table of your own.
+
+        Parameters
+        ----------
+        name : str
+            Of the record, and of its column where the function gives one number.
+        function : callable
+            Takes this simulation; see `rdpm.simulation.record.Record` for what it may give.
+        every : float or str, optional
+            Seconds, or text with a unit; ``output.table_every`` of the case when left out. Due is the first step at or
+            after a multiple; adaptive steps end at it.
+
+        Returns
+        -------
+        Record
+            Its ``values`` are the columns so far. Also in ``sim.records``.
+
+        Raises
+        ------
+        CaseError
+            The name is taken or is no name; `every` is no time; the function fails, or gives something else.
+
+        Notes
+        -----
+        `rdpm.run` takes the same as ``record={name: function}`` and writes them into its folder.
+        """
+        return super().record(name, function, interval_of(name, every, self.case))
+
+
+def interval_of(name: str, every: float | str | None, case: Case) -> float:
+    """How often a record is kept [s]; as often as the tables where it is not said.
+
+    Raises
+    ------
+    CaseError
+        It is no time, or not above zero.
+
+    Examples
+    --------
+    >>> interval_of("gap", "1 ms", None)
+    0.001
+    """
+    if every is None:
+        return case.output.table_every or case.time.end
+    try:
+        return float(Quantity("s", gt=0.0).check(every))
+    except RuleError as error:
+        place = f"record {name!r}, every"
+        raise CaseError(place, every, error.rule, error.reason, error.cure or 'Write 1e-3, or "1 ms".') from None
+
 
 def _system(made: Plan, threads: int, calibration: Calibration, ranks: Ranks) -> System:
     case, fluid = made.case, made.case.fluid
     bodies, prescription = _bodies(case)
     domain = case.domain
-    box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities), tuple(w.surface for w in case.walls))
+    walls = tuple(wall.surface for wall in case.walls)
+    box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities), walls, inflow_of(case))
     gravity = np.array(domain.gravity)
     if fluid is None or made.cells is None:
         contacts = _contacts(made, bodies, box, None, calibration)
         return System(bodies, contacts, prescription, gravity, ranks=ranks)
-    grid = Grid(box, made.cells, threads, _slab(made, bodies, box, ranks))
+    grid = Grid(box, made.cells, threads, slab_of(made, bodies, ranks))
     flow = Fluid(grid, fluid.density, fluid.nu, made.step.is_explicit, ranks)
     flow.set_velocity(*fluid.initial_velocity)
     lubrication = None
@@ -106,18 +163,6 @@ def _system(made: Plan, threads: int, calibration: Calibration, ranks: Ranks) ->
     initial = np.array(fluid.initial_velocity)
     mean_flow = MeanFlow(np.array(fluid.acceleration), case.zero_mean_flow, fluid.density * grid.volume, initial)
     return System(bodies, contacts, prescription, gravity, flow, immersed, mean_flow, ranks=ranks)
-
-
-def _slab(made: Plan, bodies: Bodies, box: Box, ranks: Ranks) -> Slab | None:
-    """The planes of this rank."""
-    if ranks.size == 1 or made.cells is None:
-        return None
-    if box.walls:
-        raise CaseError(
-            "walls", f"{len(box.walls)} within the box", "must not be, in a fluid on several MPI ranks",
-            "their markers are worked on by one process", "Start one process, with --threads.",
-        )  # fmt: skip
-    return slabs(cut(np.ones(made.cells[2]), ranks.size), box.is_periodic[2])[ranks.rank]
 
 
 def _bodies(case: Case) -> tuple[Bodies, Prescription]:

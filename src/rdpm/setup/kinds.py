@@ -89,6 +89,6 @@ def kinds_of_pairs(case: Case) -> list[Kind]:
             for other in partners
             if other != one or one not in alone
         )
-        if case.walls or any(kind != "periodic" for kind in case.domain.kinds):
+        if case.walls or any(kind in ("wall", "free-slip") for kind in case.domain.kinds):
             found.append(Kind("sphere-wall" + (f" ({1e3 * one[0]:.4g} mm)" if size else ""), one))
     return found

@@ -15,11 +15,14 @@ from rdpm.fluid.timestep import Choice
 from rdpm.grid.grid import choose_cells
 from rdpm.particles.seeding import marker_count
 from rdpm.setup.contact import PairKind, contact_law, contact_limit, pairs
+from rdpm.setup.disk import fields_disk
+from rdpm.setup.inflow import check_ends
 from rdpm.setup.kinds import kinds_of_pairs
 from rdpm.setup.plausible import implausible
 from rdpm.setup.rows import PlanRow, hard_sphere_rows, sections
 from rdpm.setup.scales import Scales, available_memory, memory_needed, scales
 from rdpm.setup.time_step import time_step
+from rdpm.setup.walls import check_room_behind
 from rdpm.simulation.step_control import StepControl
 
 __all__ = ["PairKind", "Plan", "PlanRow", "plan"]
@@ -69,7 +72,7 @@ class Plan:
     def warnings(self) -> list[str]:
         """Rows with a warning, as sentences."""
         return [
-            f"{row.name} = {row.value}: {row.note}"
+            row.note if row.severity else f"{row.name} = {row.value}: {row.note}"
             for _, rows in self.sections
             for row in rows
             if row.verdict == "warning"
@@ -120,7 +123,9 @@ def plan(case: Case, contact_step: float | None = None) -> Plan:
     found = scales(case)
     cells = _cells(case)
     spacing = _spacing(case, cells) if cells else None
+    check_ends(case, spacing)
     h = float(np.cbrt(np.prod(spacing))) if spacing else math.inf
+    check_room_behind(case, h)
     kinds = kinds_of_pairs(case)
     limit = contact_limit(case, kinds, found.fall, h)
     step = time_step(case, spacing, found.speed, limit, contact_step)
@@ -133,6 +138,8 @@ def plan(case: Case, contact_step: float | None = None) -> Plan:
     rows = sections(case, cells, spacing, step, designed, found, memory, steps, markers)
     if case.contact.model == "hard-sphere" and kinds:
         rows.append(("Contact, hard spheres", hard_sphere_rows(case, step.dt, found.fall)))
+    if disk := fields_disk(case, cells, steps):
+        rows.append(("Output", [PlanRow("fields", str(disk), "", "fields.vtkhdf, of the flow")]))
     if doubts := implausible(case, cells, steps):
         rows.append(("Values hardly meant", doubts))
     return Plan(case, cells, step, law, designed, found, memory, steps, rows)

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from rdpm.config.case import Case
+from rdpm.setup.disk import fields_disk
 from rdpm.setup.rows import EXPECTED_NS, PlanRow
 
 __all__ = ["implausible"]
@@ -28,8 +29,6 @@ OUTPUTS = {
 
 #: Disk space of a run's pictures [bytes] and wall time of a run on one thread [s] that are suspected.
 DISK, WALL = 1e12, 30 * 86400.0
-
-_PICTURE = 16  # bytes a cell: three velocities and the pressure in single precision, before packing
 
 
 def implausible(case: Case, cells: tuple[int, int, int] | None, steps: int) -> list[PlanRow]:
@@ -95,7 +94,8 @@ def _outputs(case: Case, cells: tuple[int, int, int] | None, steps: int) -> list
         if not every:
             continue
         count = case.time.end / every
-        size = min(count, steps) * math.prod(cells) * _PICTURE if cells and key == "fields_every" else 0.0
+        fields = fields_disk(case, cells, steps) if key == "fields_every" else None
+        size = float(fields.most) if fields else 0.0
         if count <= most and size <= DISK:
             continue
         taken = f", of which a run of {steps:.3g} steps makes one a step" if count > steps else ""

@@ -19,9 +19,6 @@ from rdpm.setup.scales import Scales, available_memory
 
 __all__ = ["EXPECTED_NS", "PlanRow", "hard_sphere_rows", "sections"]
 
-#: Whether a row is ok, by the severity of its verdict; a note is neither.
-_OK: dict[str, bool | None] = {"ok": True, "note": None, "fail": False}
-
 #: Nanoseconds a cell and step on one thread, for the estimate of a run's time.
 EXPECTED_NS = 20.0
 
@@ -35,18 +32,24 @@ _LIMITS = {
     "output": "one step to the end",
 }
 
-#: Contact steps of the soft sphere that a hard one is compared with.
-COMPARED_STEPS = 8.0
-
 
 @dataclass(frozen=True)
 class PlanRow:
-    """One line of what a case implies."""
+    """One line of what a case implies.
+
+    Attributes
+    ----------
+    name, value, note : str
+    verdict : {"", "ok", "warning"}
+    severity : {"", "ok", "note", "fail"}
+        Of a design's verdict; the note is then the whole of it, with value, sign, limit and condition.
+    """
 
     name: str
     value: str
     verdict: Verdict = ""
     note: str = ""
+    severity: str = ""
 
 
 def sections(
@@ -105,8 +108,8 @@ def _grid(
 def _flow(case: Case, found: Scales) -> list[PlanRow]:
     fluid, bodies = case.fluid, case.expanded_bodies()
     assert fluid is not None
-    rows = [_row("kinematic viscosity", f"{fluid.nu:.4g} m^2/s")]
-    if not len(bodies):
+    rows = [_row("kinematic viscosity", f"{fluid.nu:.4g} m^2/s"), *_stream(case, fluid.nu)]
+    if not len(bodies) or (case.domain.inflow is not None and all(motion == "fixed" for motion in bodies.motion)):
         return rows
     n = int(np.argmax(found.terminal)) if found.terminal.any() else 0
     d, ratio = float(bodies.diameter[n]), float(bodies.density[n] / fluid.density)
@@ -137,6 +140,22 @@ def _flow(case: Case, found: Scales) -> list[PlanRow]:
         ),
     ]
     return rows
+
+
+def _stream(case: Case, nu: float) -> list[PlanRow]:
+    """The inflow, and the Reynolds number of the smallest body in it or of the box's narrowest width."""
+    inflow, axis = case.domain.inflow, case.domain.inflow_axis
+    if inflow is None or axis is None:
+        return []
+    shape = inflow.profile if isinstance(inflow.profile, str) else "as given"
+    ramp = f", rising for {inflow.start_up:.4g} s" if inflow.start_up else ""
+    diameters = case.expanded_bodies().diameter
+    width = min(length for n, length in enumerate(case.domain.size) if n != axis)
+    across, of = (float(diameters.min()), "a diameter") if len(diameters) else (width, "the narrowest width")
+    return [
+        _row("inflow along " + "xyz"[axis], f"{inflow.velocity:.4g} m/s", None, f"mean; {shape}{ramp}"),
+        _row("Reynolds number of the inflow", f"{abs(inflow.velocity) * across / nu:.4g}", None, f"with {of}"),
+    ]
 
 
 def _time(cells: tuple[int, int, int] | None, step: Choice, steps: int) -> list[PlanRow]:
@@ -187,10 +206,11 @@ def _listed(known: list[Row]) -> list[PlanRow]:
 
 
 def _verdicts(verdicts: tuple[design.Verdict, ...]) -> list[PlanRow]:
+    told: dict[str, Verdict] = {"ok": "ok", "note": "", "fail": "warning"}
     rows = []
-    for verdict in verdicts:
-        value = "-" if verdict.value is None else f"{verdict.value:.4g}"
-        rows.append(_row(verdict.name, value, _OK[verdict.severity], verdict.text))
+    for one in verdicts:
+        value = "-" if one.value is None else f"{one.value:.4g}"
+        rows.append(PlanRow(one.name, value, told[one.severity], one.text, one.severity))
     return rows
 
 
@@ -218,10 +238,10 @@ def hard_sphere_rows(case: Case, dt: float, fall: float) -> list[PlanRow]:
     ]
     if fall > 0.0 and law.restitution > 0.0:
         diameter = float(case.expanded_bodies().diameter.min())
-        error = design.finite_contact_error(COMPARED_STEPS * dt, law.restitution, diameter, fall)
+        error = design.finite_contact_error(design.COMPARED_STEPS * dt, law.restitution, diameter, fall)
         rows.append(
             PlanRow(
-                f"a soft sphere of {COMPARED_STEPS:g} steps",
+                f"a soft sphere of {design.COMPARED_STEPS:g} steps",
                 f"{100.0 * error.time_ratio:.3g} % of d / v in contact",
                 "",
                 f"would overlap by {100.0 * error.overlap:.3g} % of d and lag by {100.0 * error.lag:.3g} % of d",

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rdpm import design
 from rdpm.config.case import Case
+from rdpm.setup.inflow import peak_inflow
 
 __all__ = ["Scales", "available_memory", "memory_needed", "scales"]
 
@@ -50,7 +51,7 @@ def scales(case: Case) -> Scales:
     -------
     Scales
         Terminal speeds by Brown and Lawler's drag of one sphere alone; given velocities as they are; a driven
-        flow by its laminar mean in the narrowest walled direction.
+        flow by its laminar mean in the narrowest walled direction; an inflow by its largest.
     """
     bodies, gravity = case.expanded_bodies(), np.array(case.domain.gravity)
     n, g = len(bodies), float(np.linalg.norm(gravity))
@@ -65,7 +66,7 @@ def scales(case: Case) -> Scales:
         speed = np.maximum(speed, np.abs(wall.velocity) + turning)
     fluid = case.fluid
     if fluid is not None:
-        speed = speed + np.abs(fluid.initial_velocity)
+        speed = speed + np.maximum(np.abs(fluid.initial_velocity), peak_inflow(case))
         moves = np.array([motion != "fixed" for motion in bodies.motion], bool)
         if n and g > 0.0:
             sinks = moves & (np.abs(bodies.density / fluid.density - 1.0) > 1e-12)

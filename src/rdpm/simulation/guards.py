@@ -8,6 +8,7 @@ from rdpm.contacts.neighbours import gaps_and_rates
 from rdpm.conventions import partner_name
 from rdpm.coupling.system import System
 from rdpm.errors import BodyLeftError, CflError, DivergenceError, NanError, OverlapError
+from rdpm.grid.inflow import CLEAR_CELLS
 
 __all__ = ["check_divergence", "check_step"]
 
@@ -57,6 +58,7 @@ def check_step(system: System, dt: float) -> None:
                 "a prescribed motion leads out, or a contact was too soft to hold it",
                 "Change the motion, stiffen the contact, or lower time.step.",
             )
+        _check_ends(system, when)
         if not bodies.is_free.all():
             _check_prescribed(system, when)
     if fluid is None:
@@ -79,6 +81,25 @@ def check_step(system: System, dt: float) -> None:
             f"the flow must cross at most {CFL_LIMIT:g} cells a step",
             f"the fastest face moves {fluid.cfl_rate:.3g} cells a second",
             f"Set time.step to {0.5 / fluid.cfl_rate:.2g} s or less, or lower time.cfl.",
+        )
+
+
+def _check_ends(system: System, when: str) -> None:
+    """Bodies do not pass through open ends, nor come so near that their markers would reach beyond."""
+    bodies, inflow = system.bodies, system.contacts.box.inflow
+    if inflow is None or system.fluid is None:
+        return
+    length, h = system.contacts.box.size[inflow.axis], system.fluid.grid.spacing[inflow.axis]
+    at = bodies.position[:, inflow.axis]
+    gap = np.minimum(at, length - at) - 0.5 * bodies.diameter
+    body = int(np.argmin(gap))
+    if gap[body] < CLEAR_CELLS * h:
+        raise BodyLeftError(
+            f"body guard, {when}: body {body}, {'xyz'[inflow.axis]}",
+            float(at[body]),
+            f"its surface must stay {CLEAR_CELLS:g} cells, {CLEAR_CELLS * h:.3g} m, from both ends of the stream",
+            "a body cannot leave with the outflow",
+            "End the run earlier, lengthen the box, or hold the body.",
         )
 
 

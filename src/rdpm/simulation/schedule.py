@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 __all__ = ["Every"]
 
 
@@ -15,13 +17,16 @@ class Every:
 
     Notes
     -----
-    The step length is never changed to meet a multiple: due is the first step at or after it.
+    Due is the first step at or after a multiple. Adaptive steps end at those of `TimeLoop.asked`; a fixed step is never
+    changed.
 
     Examples
     --------
     >>> every = Every(0.1)
     >>> [t for t in (0.0, 0.04, 0.08, 0.12, 0.16, 0.2) if every.is_due(t)]
     [0.0, 0.12, 0.2]
+    >>> round(every.next_after(0.2), 12)
+    0.3
     """
 
     def __init__(self, interval: float) -> None:
@@ -34,3 +39,9 @@ class Every:
             return False
         self.count = int(time / self.interval * (1.0 + 1e-9)) + 1
         return True
+
+    def next_after(self, time: float) -> float:
+        """First multiple after a time [s] that is not done yet; infinite where there is none."""
+        if self.interval <= 0.0:
+            return math.inf
+        return self.interval * max(self.count, math.floor(time / self.interval * (1.0 + 1e-9)) + 1)

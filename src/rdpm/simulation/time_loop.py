@@ -9,10 +9,13 @@ from typing import Any, Self
 
 from rdpm.coupling.step import step
 from rdpm.coupling.system import System
+from rdpm.errors import CaseError
 from rdpm.fluid import Fluid
 from rdpm.parallel.ranks import together
 from rdpm.particles.state import Bodies
 from rdpm.simulation.guards import check_divergence, check_step
+from rdpm.simulation.record import Record
+from rdpm.simulation.schedule import Every
 from rdpm.simulation.step_control import StepControl
 
 __all__ = ["TimeLoop"]
@@ -40,7 +43,7 @@ class TimeLoop:
     Attributes
     ----------
     dt : float, [s]
-        Of all steps; with a step control, of the last one.
+        Of all steps; with a step control, of the last one before it was fitted to a time asked.
     last_dt : float, [s]
         Of the last step, which `run` shortens to end at the time asked.
     shortest_dt, longest_dt : float, [s]
@@ -49,6 +52,8 @@ class TimeLoop:
         ``position``, ``velocity`` ... are the arrays the kernels work on.
     fluid : Fluid or None
         ``u``, ``v``, ``w``, ``p`` likewise.
+    records : dict of str to Record
+        What `record` began, by name.
     """
 
     def __init__(self, system: System, dt: float, step_control: StepControl | None = None) -> None:
@@ -56,7 +61,9 @@ class TimeLoop:
         self.last_dt = self.shortest_dt = self.longest_dt = 0.0
         self.wall_seconds = 0.0
         self.max_divergence = 0.0
+        self.records: dict[str, Record] = {}
         self._callbacks: list[tuple[int, Callable[[Any], None]]] = []
+        self._asked: list[Every] = []
 
     @property
     def bodies(self) -> Bodies:
@@ -91,6 +98,54 @@ class TimeLoop:
             raise ValueError(f"every = {every}: must be at least 1")
         self._callbacks.append((every, callback))
 
+    def asked(self, interval: float) -> Every:
+        """Make a schedule at whose times adaptive steps end, unless they would be shorter than the contact step for it.
+
+        Parameters
+        ----------
+        interval : float, [s]
+            0: never due.
+
+        Returns
+        -------
+        Every
+        """
+        every = Every(interval)
+        if self.step_control is not None and interval >= self.step_control.contact_step:
+            self._asked.append(every)
+        return every
+
+    def record(self, name: str, function: Callable[[Self], Any], every: float) -> Record:
+        """Keep what a function gives, now and at every multiple of an interval.
+
+        Parameters
+        ----------
+        name : str
+            Of the record, and of its column where the function gives one number.
+        function : callable
+            Takes this loop; see `Record` for what it may give.
+        every : float, [s]
+            > 0. Due is the first step at or after a multiple; adaptive steps end at it.
+
+        Returns
+        -------
+        Record
+            Also in `records`.
+
+        Raises
+        ------
+        CaseError
+            The name is taken or is no name; the function fails, or gives something else.
+        """
+        record = Record(name, function, self.asked(every))
+        if name in self.records:
+            rule = "must have a name of its own"
+            raise CaseError(record.place, None, rule, "there is one of that name", "Choose another.")
+        record.step(self)
+        self.records[name] = record
+        self.on_step(record.step)
+        return record
+
     def advance(self, left: float = math.inf) -> None:
         """Make one step, check it, and call back.
 
@@ -109,6 +164,7 @@ class TimeLoop:
         is_isolated = False
         if self.step_control is not None:
             self.dt, is_isolated = self.step_control.choose(self.system, self.dt)
+            left = min([left, *(every.next_after(self.time) - self.time for every in self._asked)])
         self.last_dt = dt = _fitted(self.dt, left)
         together(self.system.ranks, lambda: self._step(dt, is_isolated))
         if self.steps % DIVERGENCE_EVERY == 0:

@@ -5,19 +5,21 @@ from __future__ import annotations
 import copy
 import tomllib
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
+from rdpm.cases import shipped_names
 from rdpm.config.body_file import read_body_files
 from rdpm.config.case import Case
-from rdpm.config.contact import DEFAULT_CONTACT
+from rdpm.config.contact import DEFAULT_CONTACT, keys_of_other_models
 from rdpm.config.load import load_case
 from rdpm.config.overrides import set_value, unset_value
-from rdpm.config.source import parse_toml, read_source
+from rdpm.config.source import local_file, parse_toml, read_source
 from rdpm.config.write import case_to_toml
 from rdpm.errors import CaseError
 from rdpm.setup import plan
 
-__all__ = ["base_raw", "changed", "flat_case", "start_case", "varied_numerics", "with_start_key"]
+__all__ = ["base_raw", "base_source", "changed", "flat_case", "start_case", "varied_numerics", "with_start_key"]
 
 Raw = dict[str, Any]
 
@@ -32,14 +34,31 @@ _CONTACT_PARAMETERS = set().union(*_WAYS)
 _LUBRICATION = ("lubrication", "lubrication_roughness")
 
 
-def base_raw(source: Any, folder: Any) -> Raw:
+def base_source(source: str, folder: Path | None) -> tuple[str | Path, str]:
+    """Where the base case of a study is, and a line to tell where that is not plain.
+
+    Parameters
+    ----------
+    source : str
+        A shipped name, or a path from `folder`.
+    folder : pathlib.Path or None
+        Of the study file, where a file ``NAME.toml`` goes before the shipped case NAME; None for a study that is no
+        file.
+    """
+    if source not in shipped_names():
+        return (folder or Path()) / source, ""
+    local = None if folder is None else local_file(source, folder)
+    return local or (source, "")
+
+
+def base_raw(source: str | Raw, folder: Path | None) -> Raw:
     """What the base case of a study holds.
 
     Parameters
     ----------
     source : str or dict
-        A shipped name, a path from `folder`, or a dict.
-    folder : pathlib.Path
+        As for `base_source`, or the case itself.
+    folder : pathlib.Path or None
 
     Raises
     ------
@@ -47,9 +66,7 @@ def base_raw(source: Any, folder: Any) -> Raw:
     """
     if isinstance(source, dict):
         return copy.deepcopy(source)
-    from rdpm.cases import shipped_names
-
-    text, label, home = read_source(source if source in shipped_names() else folder / source)
+    text, label, home = read_source(base_source(source, folder)[0])
     raw = parse_toml(text, label)
     read_body_files(raw, home, {})
     return raw
@@ -61,7 +78,8 @@ def changed(
     """The same with keys left out and set.
 
     A contact parameter that is set takes the place of those set before that it cannot stand beside: with
-    ``contact.stiffness``, the ``contact_steps`` of a base go and its ``restitution`` stays.
+    ``contact.stiffness``, the ``contact_steps`` of a base go and its ``restitution`` stays. With ``contact.model``,
+    what that model does not know goes.
 
     Parameters
     ----------
@@ -89,19 +107,28 @@ def changed(
         unset_value(made, key, f"{place}: unset")
     notes: list[str] = []
     for values in sets:
-        given: set[str] = set()
         for key, value in values.items():
             set_value(made, key, copy.deepcopy(value), f"{place}: {key}")
-            table, _, name = key.partition(".")
-            if table == "contact" and name in _CONTACT_PARAMETERS:
-                given.add(name)
-        notes += _give_way(made, given)
+        given = {key.partition(".")[2] for key in values if key.startswith("contact.")}
+        notes += _give_way_to_model(made, given)
+        notes += _give_way(made, given & _CONTACT_PARAMETERS)
     return made, notes
+
+
+def _give_way_to_model(raw: Raw, given: set[str]) -> list[str]:
+    """Leave out what another model of contacts does not know, if it was not set beside the model."""
+    contact = raw.get("contact")
+    if "model" not in given or not isinstance(contact, dict):
+        return []
+    gone = sorted((keys_of_other_models(str(contact["model"])) & set(contact)) - given)
+    for name in gone:
+        del contact[name]
+    return [f"contact.{name} gives way to model = {contact['model']}" for name in gone]
 
 
 def _give_way(raw: Raw, given: set[str]) -> list[str]:
     contact = raw.get("contact")
-    if not given or not isinstance(contact, dict):
+    if not given or not isinstance(contact, dict) or contact.get("model", "soft-sphere") != "soft-sphere":
         return []
     present = _CONTACT_PARAMETERS & set(contact)
     known = present | (set(DEFAULT_CONTACT) if present == given else set())

@@ -7,6 +7,7 @@ import time as clock
 from typing import Any
 
 from rdpm.studies.folder import DONE, Job
+from rdpm.studies.notebook_bar import NotebookBar
 
 __all__ = ["Display", "span"]
 
@@ -82,7 +83,9 @@ class Display:
         self._said = clock.monotonic()
         if self.quiet:
             return
-        if self._bar is not None:
+        if isinstance(self._bar, NotebookBar):
+            self._bar.note(text)
+        elif self._bar is not None:
             self._bar.console.print(text, markup=False, highlight=False)
         else:
             print(text, file=sys.stderr, flush=True)
@@ -109,6 +112,9 @@ class Display:
         return max(0.0, total - done) * elapsed / done
 
     def _open(self) -> None:
+        if _is_notebook():
+            self._start(NotebookBar())
+            return
         from rich.console import Console
         from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
@@ -116,9 +122,12 @@ class Display:
             TextColumn("{task.description}", markup=False), BarColumn(bar_width=24), TaskProgressColumn(),
             TextColumn("{task.fields[said]}", markup=False),
         )
-        self._bar = Progress(*columns, console=Console(file=sys.stderr) if not _is_notebook() else None)
-        self._tasks = {"": self._bar.add_task("study", total=1.0, said="")}
-        self._bar.start()
+        self._start(Progress(*columns, console=Console(file=sys.stderr)))
+
+    def _start(self, bar: Any) -> None:
+        self._bar = bar
+        self._tasks = {"": bar.add_task("study", total=1.0, said="")}
+        bar.start()
 
     def _show(self, job: Job, phase: str, said: dict[str, Any]) -> None:
         if phase in _ENDS:

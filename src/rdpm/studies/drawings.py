@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rdpm.studies.drawn_models import draw_models
 from rdpm.studies.drawn_pairs import draw_gap, draw_kisses, draw_relative, draw_trajectory, draw_velocity
 from rdpm.studies.drawn_sweeps import (
     draw_contacts,
@@ -25,6 +26,7 @@ DRAWINGS = {
     "restitution": Drawing(draw_restitution),
     "wet-restitution": Drawing(draw_wet_restitution),
     "convergence": Drawing(draw_convergence),
+    "models": Drawing(draw_models),
     "design-charts": Drawing(draw_design),
     "videos": Drawing(draw_videos, needs_fields=True),
 }

@@ -100,6 +100,7 @@ def _swept_or_named(results: StudyResults) -> Sweep:
     if sweep.key or len(sweep.rows) < 2:
         return sweep
     wet = [row for row in sweep.rows if np.isfinite(_number(row.get("fluid.viscosity")))]
+    wet = [row for row in wet if row.get("contact.lubrication") not in (False, "False")]
     if len(wet) > 1 and len({row["fluid.viscosity"] for row in wet}) == len(wet):
         return Sweep(sorted(wet, key=lambda row: float(row["fluid.viscosity"])), "fluid.viscosity", [], [], results)
     return sweep
@@ -118,14 +119,17 @@ def draw_wet_restitution(results: StudyResults, folder: Path) -> list[Picture]:
     seen = np.isfinite(stokes) & np.isfinite(wet)
     if not seen.any():
         raise ValueError("no run rebounds")
-    order = np.argsort(stokes[seen])
+    bare = np.array([row.get("contact.lubrication") in (False, "False") for row in sweep.rows])
     dry = next((value for value in first[is_dry] if np.isfinite(value)), None)
     target = dry if dry is not None else float(np.nanmax(sweep.column("designed_restitution")))
     line = np.geomspace(min(3.0, stokes[seen].min()), max(1500.0, stokes[seen].max()), 200)
     curves = [
-        Curve("wet, simulated", stokes[seen][order], wet[seen][order], PALETTE[0], "points"),
+        Curve("with lubrication", stokes[seen & ~bare], wet[seen & ~bare], PALETTE[0], "points"),
         Curve("Legendre et al. 2005", line, np.asarray(design.legendre(target, line)), PALETTE[1]),
     ]
+    if (seen & bare).any():
+        label = "without, film lost to the grid"
+        curves.insert(1, Curve(label, stokes[seen & bare], wet[seen & bare], PALETTE[2], "points"))
     limits = ((dry, "dry, simulated"),) if dry is not None else ()
     wet_run = sweep.runs()[int(np.flatnonzero(seen)[0])]
     path = chart(

@@ -13,7 +13,7 @@ from rdpm.config.case import Case
 from rdpm.config.load import load_case
 from rdpm.errors import CaseError
 from rdpm.setup import plan
-from rdpm.studies.cases import base_raw, changed, flat_case, start_case, varied_numerics, with_start_key
+from rdpm.studies.cases import base_raw, base_source, changed, flat_case, start_case, varied_numerics, with_start_key
 from rdpm.studies.registry import DRAWINGS
 from rdpm.studies.study_file import LoadedStudy, Row
 
@@ -36,7 +36,7 @@ class StudyRun:
     spread_of : str
         The run whose numerics it varies; "" for a run in its own right.
     notes : tuple of str
-        What of the base case was replaced.
+        Which file the base case is, where that is not plain; what of it was replaced.
     """
 
     study: str
@@ -86,6 +86,8 @@ def expand(study: LoadedStudy, quick: bool = False) -> list[StudyRun]:
         rows = [rows[round(n * last / max(count - 1, 1))] for n in range(count)]
     _check_names(study, [row.name for row, _ in rows])
     runs = [_run(study, raw, row, place, quick) for row, place in rows]
+    if isinstance(file.base.case, str) and (note := base_source(file.base.case, study.folder)[1]):
+        runs = [replace(run, notes=(note, *run.notes)) for run in runs]
     if file.spread is not None and not quick:
         runs += _spread(study, runs)
     return list(_started(study, raw, runs, quick))

@@ -35,6 +35,8 @@ class Job:
     steps, cells : int
         What it costs.
     memory : int, [bytes]
+    disk, disk_left : int, [bytes]
+        At most while it is made, and when it is done.
     """
 
     name: str
@@ -44,6 +46,8 @@ class Job:
     steps: int = 0
     cells: int = 0
     memory: int = 0
+    disk: int = 0
+    disk_left: int = 0
 
 
 @dataclass(frozen=True)

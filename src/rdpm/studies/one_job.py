@@ -75,8 +75,8 @@ def do_job(folder: StudyFolder, job: Job, threads: int | None = None, tell: Tell
     Notes
     -----
     A run that was broken off continues from its newest checkpoint, to the same bits; without one, or if it was another
-    run, its folder is emptied first. The checkpoints of a run that is done are removed, those of a start kept; of its
-    fields one plane is kept where the study draws from it.
+    run, its folder is emptied first. Of the checkpoints of a start that is done the newest is kept, of a run's none; of
+    its fields one plane where the study draws from it.
     """
     files = folder.work(job)
     files.path.mkdir(parents=True, exist_ok=True)
@@ -94,6 +94,9 @@ def do_job(folder: StudyFolder, job: Job, threads: int | None = None, tell: Tell
             path.unlink(missing_ok=True)
     if record.status == DONE and not job.is_start:
         shutil.rmtree(files.checkpoints, ignore_errors=True)
+    elif record.status == DONE:
+        for path in files.checkpoint_files()[:-1]:  # runs go on from the newest
+            path.unlink(missing_ok=True)
     return record
 
 

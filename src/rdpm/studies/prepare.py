@@ -15,6 +15,7 @@ from rdpm.errors import CaseError
 from rdpm.io.files import replacing, reporting
 from rdpm.io.provenance import environment
 from rdpm.setup import plan
+from rdpm.setup.disk import bodies_disk, fields_disk
 from rdpm.setup.rows import EXPECTED_NS
 from rdpm.studies.cases import base_raw
 from rdpm.studies.expand import StudyRun, expand, parameters
@@ -25,11 +26,17 @@ from rdpm.studies.write import study_to_toml
 
 __all__ = ["Prepared", "prepare", "write_folder"]
 
-#: Arrays of a checkpoint the size of the grid, two checkpoints a run at work [bytes a cell].
-CHECKPOINT_BYTES = 2 * 6 * 8
+#: Arrays of a checkpoint the size of the grid with its halo, in double precision.
+CHECKPOINT_ARRAYS = 7
 
-#: Tables of a run, about [bytes].
-TABLE_BYTES = 500_000
+#: Checkpoints of a run at work; of a start that is done one stays.
+CHECKPOINTS = 2
+
+#: What a kept plane takes of a cell and picture: three speeds in half precision [bytes].
+PLANE_CELL = 6
+
+#: Row of the tables of a run, for each body and beside, and what else a run leaves, about [bytes].
+BODY_ROW, ROW, REST = 290, 260, 8_000
 
 
 @dataclass(frozen=True)
@@ -70,10 +77,14 @@ class Prepared:
         return sum(sorted((job.memory for job in self.jobs), reverse=True)[:workers])
 
     def disk(self, workers: int) -> int:
-        """What the folder takes at most while it is worked on, about, without fields [bytes]."""
-        sizes = sorted((job.cells * CHECKPOINT_BYTES for job in self.jobs if not job.is_start), reverse=True)
-        starts = sum(job.cells * CHECKPOINT_BYTES for job in self.jobs if job.is_start)
-        return sum(sizes[:workers]) + starts + TABLE_BYTES * len(self.jobs)
+        """What the folder takes at most while it is worked on, fields of runs that keep a plane included [bytes]."""
+        at_work = sorted((job.disk - job.disk_left for job in self.jobs), reverse=True)
+        return sum(at_work[:workers]) + self.disk_left
+
+    @property
+    def disk_left(self) -> int:
+        """What stays when all is done, about, without the page and its videos [bytes]."""
+        return sum(job.disk_left for job in self.jobs)
 
 
 def prepare(study: LoadedStudy, quick: bool = False) -> Prepared:
@@ -101,6 +112,7 @@ def prepare(study: LoadedStudy, quick: bool = False) -> Prepared:
     ['start-1', 'stiffness-1000dyn_cm', 'stiffness-5e4dyn_cm', 'stiffness-5e5dyn_cm']
     """
     runs = expand(study, quick)
+    keeps_plane = _keeps_plane(study)
     starts: dict[str, Job] = {}
     jobs: dict[str, Job] = {}
     cases: dict[str, Case] = {}
@@ -110,7 +122,7 @@ def prepare(study: LoadedStudy, quick: bool = False) -> Prepared:
         if run.start is not None:
             key = _fingerprint(run.start)
             if key not in starts:
-                starts[key] = _job(f"start-{len(starts) + 1}", run.start, key, is_start=True)
+                starts[key] = _job(f"start-{len(starts) + 1}", run.start, key, keeps_plane, is_start=True)
                 cases[starts[key].name] = run.start
             start = starts[key]
         key = _fingerprint(run.case, start)
@@ -118,7 +130,7 @@ def prepare(study: LoadedStudy, quick: bool = False) -> Prepared:
             name = f"{run.study}/{run.name}" if study.parts else run.name
             if name in cases:  # "start-1" is the name of a common start
                 raise CaseError(name, None, "must be another name", "a common start has it", "Name the run otherwise.")
-            jobs[key] = _job(name, run.case, key, start, run.start.time.end if run.start else 0.0)
+            jobs[key] = _job(name, run.case, key, keeps_plane, start, run.start.time.end if run.start else 0.0)
             cases[name] = run.case
         names.append(jobs[key].name)
     return Prepared(study, runs, names, [*starts.values(), *jobs.values()], cases)
@@ -131,12 +143,30 @@ def _fingerprint(case: Case, start: Job | None = None) -> str:
 
 
 def _job(
-    name: str, case: Case, key: str, start: Job | None = None, start_end: float = 0.0, *, is_start: bool = False
+    name: str, case: Case, key: str, keeps_plane: bool, start: Job | None = None, start_end: float = 0.0, *,
+    is_start: bool = False,
 ) -> Job:
     made = plan(case)
     steps = max(1, math.ceil((case.time.end - start_end) / made.step.dt - 1e-6))
     cells = math.prod(made.cells) if made.cells else 0
-    return Job(name, key, start.name if start else "", is_start, steps, cells, made.memory)
+    disk, left = _disk(case, made.cells, steps, start_end, keeps_plane, is_start)
+    return Job(name, key, start.name if start else "", is_start, steps, cells, made.memory, disk, left)
+
+
+def _disk(
+    case: Case, cells: tuple[int, int, int] | None, steps: int, start: float, keeps_plane: bool, is_start: bool
+) -> tuple[int, int]:
+    """What a job takes while it is at work, and when it is done [bytes]."""
+    checkpoint = 8 * CHECKPOINT_ARRAYS * math.prod(n + 2 for n in cells) if cells else 0
+    fields = fields_disk(case, cells, steps, start)
+    bodies = len(case.expanded_bodies().diameter)
+    pictures = fields.most + bodies_disk(bodies, fields.count) if fields else 0
+    kept = pictures
+    if fields and cells and keeps_plane:
+        kept = PLANE_CELL * fields.count * cells[2] * max(cells[:2])
+    rows = (case.time.end - start) / (case.output.table_every or case.time.end) + 1.0
+    tables = REST + int(rows * (ROW + BODY_ROW * bodies))
+    return tables + pictures + CHECKPOINTS * checkpoint, tables + kept + (checkpoint if is_start else 0)
 
 
 def write_folder(prepared: Prepared, path: Path, command: str) -> StudyFolder:
@@ -203,7 +233,7 @@ def _index(prepared: Prepared, command: str) -> dict[str, Any]:
         "title": study.file.title,
         "question": study.file.question,
         "command": command,
-        "keeps_plane": any(DRAWINGS[name].needs_fields for part in _leaves(study) for name in part.file.draw),
+        "keeps_plane": _keeps_plane(study),
         "parts": [
             {
                 "name": part.name, "title": part.file.title, "question": part.file.question,
@@ -215,6 +245,11 @@ def _index(prepared: Prepared, command: str) -> dict[str, Any]:
         "own": {"draw": list(study.file.draw), "claims": list(study.file.claims)},
         "rows": rows,
     }
+
+
+def _keeps_plane(study: LoadedStudy) -> bool:
+    """Whether of the fields of the runs one plane is kept, for drawings."""
+    return any(DRAWINGS[name].needs_fields for part in _leaves(study) for name in part.file.draw)
 
 
 def _leaves(study: LoadedStudy) -> list[LoadedStudy]:

@@ -196,6 +196,8 @@ def run_study(
     if workers is not None and not 1 <= workers <= 1024:
         raise CaseError("--workers", workers, "must lie between 1 and 1024")
     prepared = prepare(study, quick)
+    for note in dict.fromkeys(note for run in prepared.runs for note in run.notes if note.startswith("note: ")):
+        tell(note)
     is_new = not path.exists()
     with ExitStack() as stack:
         if not is_new and StudyFolder(path).index.is_file():

@@ -267,13 +267,15 @@ class LoadedStudy:
         What the file holds.
     places : dict
         Key path -> ``file:line``.
-    folder : pathlib.Path
-        From which paths in the file go.
+    folder : pathlib.Path or None
+        From which paths in the file go; None for a shipped study, and for one that is no file.
     parts : tuple of LoadedStudy
         The included ones.
     """
 
-    def __init__(self, name: str, file: StudyFile, raw: Values, places: dict[KeyPath, str], folder: Path) -> None:
+    def __init__(
+        self, name: str, file: StudyFile, raw: Values, places: dict[KeyPath, str], folder: Path | None
+    ) -> None:
         self.name, self.file, self.raw, self.places, self.folder = name, file, raw, places, folder
         self.parts: tuple[LoadedStudy, ...] = ()
 
@@ -335,7 +337,7 @@ def load_study(source: str | Path | Values, _above: tuple[str, ...] = ()) -> Loa
     parts = []
     for n, part in enumerate(study.file.include):
         try:
-            found = folder / part if isinstance(part, str) and part not in shipped_studies() else part
+            found = (folder or Path()) / part if isinstance(part, str) and part not in shipped_studies() else part
             parts.append(load_study(found, (*_above, name)))
         except CaseError as error:
             place = f"{study.place('include', n)}: include[{n}]: {error.place}"
@@ -347,12 +349,13 @@ def load_study(source: str | Path | Values, _above: tuple[str, ...] = ()) -> Loa
     return study
 
 
-def _read(source: str | Path | Values) -> tuple[Values, str, Path, dict[KeyPath, str]]:
+def _read(source: str | Path | Values) -> tuple[Values, str, Path | None, dict[KeyPath, str]]:
     """What a study file holds, its label in messages, the folder of its paths, and the lines of its keys."""
     if isinstance(source, dict):
-        return dict(source), study_name(source), Path(), {}
+        return dict(source), study_name(source), None, {}
+    folder: Path | None = None
     if isinstance(source, str) and source in shipped_studies():
-        text, label, folder = shipped_study_text(source), f"{source}.toml", Path()
+        text, label = shipped_study_text(source), f"{source}.toml"
     else:
         path = Path(source)
         if not path.exists() and path.suffix in ("", ".toml") and path.parent == Path():

@@ -17,6 +17,7 @@ inline constexpr double kPlane = 0, kCylinder = 1;
 struct Box {
     double size[3];
     double period[3], inverse_period[3];  // zero in a direction that is not periodic
+    bool is_open[3];                      // fluid passes: there are no walls
     const double* wall_velocity;          // (6, 3)
     const InnerWall* walls;
     int inner_walls;
@@ -30,7 +31,7 @@ template <class Visit>
 void for_each_wall(const Box& box, Visit&& visit) {
     for (int n = box.inner_walls - 1; n >= 0; --n) visit(kFirstInner + n);
     for (int face = kFaces - 1; face >= 0; --face)
-        if (box.period[face / 2] == 0) visit(face);
+        if (box.period[face / 2] == 0 && !box.is_open[face / 2]) visit(face);
 }
 
 // Geometry of a pair: the normal points from i to j, overlap > 0 in contact; the levers reach from the

@@ -45,9 +45,9 @@ struct EndPlane {
 
 inline EndPlane end_plane(const Grid& g, int k, int neighbour, int component) {
     const bool is_below = neighbour < 1, is_inside = !is_below && neighbour <= g.nz();
-    if (is_inside || !g.is_wall(2, is_below ? 0 : 1)) {
+    if (is_inside || !g.has_face(2, is_below ? 0 : 1)) {
         // The top face of a walled box is the wall: its change is zero.
-        const bool at_wall = component == face_z && neighbour == g.nz() && g.is_wall(2, 1);
+        const bool at_wall = component == face_z && neighbour == g.nz() && g.has_face(2, 1);
         return {at_wall, at_wall ? 0.0 : 1.0};
     }
     if (component == face_z) return {true, 0.0};
@@ -66,7 +66,7 @@ inline void stabilised_diffusion(const Grid& g, double* velocity, double* rate, 
                  cz = nu / (g.spacing[2] * g.spacing[2]);
     const int last_plane = component == face_z ? g.last_face(2) : nz;
     const bool wraps = g.wraps(2);
-    const int lowest = g.is_wall(2, 0) ? 1 : 1 - stages, highest = g.is_wall(2, 1) ? last_plane : nz + stages;
+    const int lowest = g.has_face(2, 0) ? 1 : 1 - stages, highest = g.has_face(2, 1) ? last_plane : nz + stages;
     const int threads = std::min(g.threads, nz);
     const double first_weight = stage[0].rate;  // D_1 = first_weight M
 #pragma omp parallel num_threads(threads)
@@ -75,14 +75,14 @@ inline void stabilised_diffusion(const Grid& g, double* velocity, double* rate, 
         auto [first, last] = share_of(nz, me, team);
         for (int k = first; k < last; ++k) fill_plane_halo(g, rate + k * plane, component, Walls::at_rest);
         for (int side = 0; g.is_slab() && me == 0 && side < 2; ++side)
-            for (int k = 0; g.open[side] && k < stages - 1; ++k)
+            for (int k = 0; g.joined[side] && k < stages - 1; ++k)
                 fill_plane_halo(g, beyond[side] + k * plane, component, Walls::at_rest);
 #pragma omp barrier
         last = std::min(last, last_plane + 1);
         double* mine = scratch + static_cast<std::size_t>(3 * (stages - 2)) * plane * me;
         const auto rate_plane = [&](int k) {
-            if (k < 1 && g.open[0]) return beyond[0] + (k + stages - 2) * plane;
-            if (k > nz && g.open[1]) return beyond[1] + (k - nz - 1) * plane;
+            if (k < 1 && g.joined[0]) return beyond[0] + (k + stages - 2) * plane;
+            if (k > nz && g.joined[1]) return beyond[1] + (k - nz - 1) * plane;
             return rate + (wraps ? (((k - 1) % nz + nz) % nz) + 1 : k) * plane;
         };
         const auto ring = [&](int j, int k) {  // plane k of D_j, 2 <= j < stages

@@ -60,7 +60,7 @@ class Projection {
           solver_(g.nx(), g.ny(), g.nz(), g.spacing[2],
                   mode_eigenvalues(g.nx(), g.spacing[0], g.boundary[0] == periodic),
                   mode_eigenvalues(g.ny(), g.spacing[1], g.boundary[1] == periodic),
-                  g.wraps(2), g.open),
+                  g.wraps(2), g.joined),
           carry_{modes(), modes()},
           gather_{solver_.has_outer(0) ? modes() : std::vector<double>{},
                   solver_.has_outer(1) ? modes() : std::vector<double>{}},
@@ -161,9 +161,9 @@ class Projection {
         const std::size_t bytes = g_.plane() * sizeof(double);
         if (g_.wraps(2)) {
             std::memcpy(w, w + g_.nz() * g_.plane(), bytes);
-        } else {
-            if (g_.is_wall(2, 0)) std::memset(w, 0, bytes);
-            if (g_.is_wall(2, 1)) std::memset(w + g_.nz() * g_.plane(), 0, bytes);
+        } else if (!g_.is_open(2)) {
+            if (g_.has_face(2, 0)) std::memset(w, 0, bytes);
+            if (g_.has_face(2, 1)) std::memset(w + g_.nz() * g_.plane(), 0, bytes);
         }
     }
 
@@ -174,13 +174,15 @@ class Projection {
         const std::size_t row = g_.row(), base = k * g_.plane();
         double *u = q_.u + base, *v = q_.v + base;
         const double *w = q_.w + base, *below = w - g_.plane();
-        for (int j = 1; j <= ny; ++j) {
+        for (int j = 1; j <= ny && !g_.is_open(0); ++j) {
             double* r = u + j * row;
             if (g_.boundary[0] != periodic) r[nx] = 0.0;
             r[0] = r[nx];
         }
-        if (g_.boundary[1] != periodic) std::fill(v + ny * row, v + ny * row + row, 0.0);
-        std::memcpy(v, v + ny * row, row * sizeof(double));
+        if (!g_.is_open(1)) {
+            if (g_.boundary[1] != periodic) std::fill(v + ny * row, v + ny * row + row, 0.0);
+            std::memcpy(v, v + ny * row, row * sizeof(double));
+        }
         const double dz = g_.spacing[2], factor = -dz * dz / dt_ * transform_.normalisation();
         const double ix = factor / g_.spacing[0], iy = factor / g_.spacing[1], iz = factor / dz;
         for (int j = 1; j <= ny; ++j) {
@@ -397,8 +399,8 @@ class Projection {
             correct(nz, nz - 1);
             correct_faces(nz, 1);
         } else {
-            if (g_.is_wall(2, 0)) fill_plane_halo(g_, q_.w, face_z, Walls::moving);
-            if (g_.is_wall(2, 1)) {
+            if (g_.has_face(2, 0)) fill_plane_halo(g_, q_.w, face_z, Walls::moving);
+            if (g_.has_face(2, 1)) {
                 fill_plane_halo(g_, q_.w + nz * g_.plane(), face_z, Walls::moving);
             } else {
                 correct_faces(nz, nz + 1);

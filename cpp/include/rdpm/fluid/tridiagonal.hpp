@@ -58,13 +58,13 @@ struct Half {  // of the planes, from its end (t = 0) to the middle (t = planes 
 class Tridiagonal {
   public:
     Tridiagonal(int nx, int ny, int nz, double dz, const std::vector<double>& lambda_x,
-                const std::vector<double>& lambda_y, bool is_periodic, std::array<bool, 2> open)
+                const std::vector<double>& lambda_y, bool is_periodic, std::array<bool, 2> joined)
         : nx_(nx), ny_(ny), periodic_(is_periodic) {
         const int inner = nz - (is_periodic ? 1 : 0);
         half_[0].planes = inner / 2;
         half_[1].planes = inner - inner / 2;
         for (int half = 0; half < 2; ++half) {
-            const bool has_outer = is_periodic || open[half];
+            const bool has_outer = is_periodic || joined[half];
             if (half == 1 && has_outer == kind_[0].has_outer) continue;
             half_[half].kind = static_cast<int>(kind_.size());
             kind_.push_back({has_outer, {nx, ny}, {nx, ny}});

@@ -82,7 +82,7 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
     };
     const double dx = g.spacing[0];
     // The face at the wall below a slab is its own.
-    const int lowest = c == 2 && g.is_wall(2, 0) ? 0 : 1;
+    const int lowest = c == 2 && g.has_face(2, 0) ? 0 : 1;
     for (int k = lower[2]; k <= upper[2]; ++k) {
         const int here = g.plane_here(wrapped(2, k));
         if (g.is_slab() && (here < lowest || here > g.nz())) continue;

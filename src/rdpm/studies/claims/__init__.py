@@ -7,6 +7,8 @@ scheme on particle-particle collisions, NETL Multiphase Flow Conference (2012).
 from __future__ import annotations
 
 from rdpm.studies.claims.claim import (
+    Alike,
+    Approaches,
     Claim,
     Computed,
     Expected,
@@ -26,6 +28,8 @@ __all__ = [
     "CLAIMS",
     "DESIGN_CLAIMS",
     "RUN_CLAIMS",
+    "Alike",
+    "Approaches",
     "Claim",
     "Computed",
     "Expected",

@@ -6,7 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-__all__ = ["Claim", "Computed", "Expected", "Happens", "Insensitive", "Judgement", "Limit", "Trend", "Verdict"]
+__all__ = [
+    "Alike", "Approaches", "Claim", "Computed", "Expected", "Happens", "Insensitive", "Judgement", "Limit", "Trend",
+    "Verdict",
+]  # fmt: skip
 
 #: "not judged": runs or their spread are missing.
 Verdict = Literal["confirmed", "contradicted", "within the spread", "conditional", "not judged"]
@@ -96,6 +99,35 @@ class Insensitive:
 
 
 @dataclass(frozen=True)
+class Alike:
+    """No two runs differ by more than the spread, whatever tells them apart.
+
+    Attributes
+    ----------
+    quantities : tuple of str
+    """
+
+    quantities: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Approaches:
+    """Runs come to a reference run as a parameter falls.
+
+    Attributes
+    ----------
+    quantities : tuple of str
+    along : str
+    reference : mapping
+        Column -> value of the reference.
+    """
+
+    quantities: tuple[str, ...]
+    along: str
+    reference: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
 class Happens:
     """An event happens: its quantity exists.
 
@@ -120,7 +152,7 @@ class Computed:
     judgement: Callable[[], Judgement]
 
 
-Expected = Trend | Limit | Insensitive | Happens | Computed
+Expected = Trend | Limit | Insensitive | Alike | Approaches | Happens | Computed
 
 
 @dataclass(frozen=True)
@@ -133,7 +165,7 @@ class Claim:
     statement : str
     slide : str
         Where it was made.
-    expected : Trend, Limit, Insensitive, Happens or Computed
+    expected : Trend, Limit, Insensitive, Alike, Approaches, Happens or Computed
     reason : str
         The physics or numerics behind what is expected to be found.
     where : mapping

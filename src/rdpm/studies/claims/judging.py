@@ -9,7 +9,19 @@ from itertools import combinations
 from numbers import Real
 from typing import Any, NamedTuple
 
-from rdpm.studies.claims.claim import Claim, Computed, Happens, Insensitive, Judgement, Limit, Trend, Verdict
+from rdpm.studies.claims.alike import judge_alike, judge_approach
+from rdpm.studies.claims.claim import (
+    Alike,
+    Approaches,
+    Claim,
+    Computed,
+    Happens,
+    Insensitive,
+    Judgement,
+    Limit,
+    Trend,
+    Verdict,
+)
 from rdpm.studies.measures import QUANTITIES
 from rdpm.studies.spread import Spread, number
 
@@ -50,7 +62,8 @@ def judge(claim: Claim, rows: Rows, spreads: Spreads) -> Judgement:
     pair differs, *conditional* when both occur: the sentence then gives the range in which it holds. A limit is
     *confirmed* when each run keeps to it by more than a spread, *contradicted* when each that is off it breaks it,
     *conditional* when some keep to it and some break it, *within the spread* when none breaks it and some are too close
-    to tell. Insensitivity is *confirmed* when no pair differs, in any of the quantities. What would be confirmed is
+    to tell. Insensitivity is *confirmed* when no pair differs, in any of the quantities; runs are alike in the same
+    way. For runs that come to a reference see `rdpm.studies.claims.alike.judge_approach`. What would be confirmed is
     *conditional* when the claim names a condition.
 
     Examples
@@ -72,6 +85,10 @@ def judge(claim: Claim, rows: Rows, spreads: Spreads) -> Judgement:
         found = _limit(expected, chosen, spreads)
     elif isinstance(expected, Insensitive):
         found = _insensitive(expected, chosen, spreads)
+    elif isinstance(expected, Alike):
+        found = judge_alike(expected, chosen, spreads)
+    elif isinstance(expected, Approaches):
+        found = judge_approach(expected, chosen, spreads)
     else:
         found = _happens(expected, chosen, spreads)
     return _finished(claim, found)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from rdpm.results.run_folder import RunFolder
-from rdpm.studies.claims.claim import Claim, Computed, Insensitive, Judgement, Limit, Trend
+from rdpm.studies.claims.claim import Alike, Approaches, Claim, Computed, Insensitive, Judgement, Limit, Trend
 from rdpm.studies.claims.judging import judge, judge_each
 from rdpm.studies.spread import Spread, number, spread_of
 
@@ -81,7 +81,7 @@ def quantities_of(claim: Claim) -> tuple[str, ...]:
     expected = claim.expected
     if isinstance(expected, Computed):
         return ()
-    return expected.quantities if isinstance(expected, Insensitive) else (expected.quantity,)
+    return expected.quantities if isinstance(expected, Insensitive | Alike | Approaches) else (expected.quantity,)
 
 
 def parameters_of(claim: Claim) -> tuple[str, ...]:
@@ -92,8 +92,10 @@ def parameters_of(claim: Claim) -> tuple[str, ...]:
     >>> parameters_of(Claim("a", "", "", Trend("kisses", "contact.stiffness", True), "", {"fluid.viscosity": 0.1}))
     ('contact.stiffness', 'fluid.viscosity')
     """
-    along = claim.expected.along if isinstance(claim.expected, Trend | Limit | Insensitive) else None
-    return (*([along] if along else []), *claim.where)
+    expected = claim.expected
+    along = expected.along if isinstance(expected, Trend | Limit | Insensitive | Approaches) else None
+    reference = expected.reference if isinstance(expected, Approaches) else ()
+    return (*([along] if along else []), *reference, *claim.where)
 
 
 def case_columns(case: Mapping[str, Any], keys: Iterable[str]) -> dict[str, Any]:

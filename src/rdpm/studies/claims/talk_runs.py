@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from rdpm.design.dimensionless import CRITICAL_STOKES
-from rdpm.studies.claims.claim import Claim, Happens, Insensitive, Limit, Trend
+from rdpm.studies.claims.claim import Alike, Approaches, Claim, Happens, Insensitive, Limit, Trend
 
 __all__ = ["RUN_CLAIMS"]
 
 STIFFNESS, DAMPING, STEPS = "contact.stiffness", "contact.damping", "contact.contact_steps"
-LUBRICATION, VISCOSITY = "contact.lubrication", "fluid.viscosity"
+LUBRICATION, VISCOSITY, MODEL = "contact.lubrication", "fluid.viscosity", "contact.model"
+
+#: Of the steel sphere whose rebound is measured.
+DRY_RESTITUTION = 0.97
 
 #: The talk's runs have no lubrication; its stiffness sweep is at eta_n = 100 dyn s/cm, its damping sweep at k_n = 5e4.
 _TALK = {LUBRICATION: False, VISCOSITY: 0.113}
@@ -21,9 +24,10 @@ _PRESSED = (
     "spring rather than an impact. At fixed eta_n a stiffer spring is less damped, and may let the pair part once more."
 )
 _SINK = "Under a steady load W the overlap is W/k_n."
+_HARD_MOTION = ("kiss_time_s", "tumble_start_s", "gap_kiss_total_s", "final_angle_deg")
 _MOTION = ("kiss_time_s", "tumble_start_s", "gap_kiss_total_s", "settling_speed_max_m_s", "final_angle_deg")
-_CONCLUSIONS, _EFFECT, _STEPS_SLIDE = (
-    "Conclusions", "Effect of collision parameters on DKT", "Overlap and contact time in DKT"
+_CONCLUSIONS, _EFFECT, _STEPS_SLIDE, _MODELS_SLIDE = (
+    "Conclusions", "Effect of collision parameters on DKT", "Overlap and contact time in DKT", "Collision models"
 )  # fmt: skip
 
 #: Claims that need runs.
@@ -59,11 +63,30 @@ RUN_CLAIMS = (
     Claim("hard-limit-overlap", "For small N_c the scheme approaches a hard sphere: overlap.", _STEPS_SLIDE,
           Trend("max_overlap_fraction", STEPS, True),
           "k_n goes with 1/N_c^2, the overlap under a load with its inverse.", _TALK),
+    Claim("small-steps-as-hard-sphere", "For small N_c the scheme approaches a hard sphere: kiss and tumble.",
+          _STEPS_SLIDE, Approaches(_HARD_MOTION, STEPS, {MODEL: "hard-sphere"}),
+          "The pair is pressed together, hardly thrown: both models keep it apart, and the flow does the rest.",
+          {LUBRICATION: False}),
+    Claim("small-steps-as-hard-sphere-in-a-rebound", "For small N_c the scheme approaches a hard sphere: an impact.",
+          _STEPS_SLIDE, Approaches(("wet_restitution", "rebound_height_m"), STEPS, {MODEL: "hard-sphere"}),
+          "A contact of N_c steps lets the fluid act on the sphere for as long; a hard sphere turns round at once.",
+          {LUBRICATION: False}),
+    Claim("models-alike", "The choice of the contact model leaves the kiss and the tumble alone.", _MODELS_SLIDE,
+          Alike(_HARD_MOTION), "A contact keeps the pair apart, at its own distance; the flow turns it.",
+          {LUBRICATION: False}),
+    Claim("models-alike-lubricated", "With lubrication the choice of the contact model leaves them alone.",
+          _MODELS_SLIDE, Alike(_HARD_MOTION), "Lubrication takes the impact before the surfaces meet.",
+          {LUBRICATION: True}),
     Claim("dry-for-wet-by-stokes", "Dry collisions approximate collisions in a viscous fluid: Stokes number of kisses.",
           "Soft sphere collision parameters N_c and e_n",
           Limit("max_stokes_number", CRITICAL_STOKES, False),
           "Below a Stokes number of 10 the liquid stops the rebound (Gondret et al. 2002): e_n is not seen.",
           {VISCOSITY: 0.113}),
+    Claim("dry-for-wet-in-a-rebound", "Dry collisions approximate collisions in a viscous fluid: a rebound from a wall "
+          "keeps nine tenths of the dry restitution.", "Soft sphere collision parameters N_c and e_n",
+          Limit("wet_restitution", 0.9 * DRY_RESTITUTION, False, "approach_stokes_number"),
+          "The film takes the impact: nothing is left near a Stokes number of 10, nearly all above some hundreds "
+          "(Gondret et al. 2002).", {LUBRICATION: True}),
     Claim("dry-for-wet-by-lubrication", "Dry collisions approximate collisions in a viscous fluid: lubrication changes "
           "nothing.", "Soft sphere collision parameters N_c and e_n",
           Insensitive(("contact_kisses", "contact_kiss_total_s", "tumble_start_s", "gap_kiss_total_s"), LUBRICATION),

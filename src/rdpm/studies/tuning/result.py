@@ -18,6 +18,7 @@ from rdpm.studies.cases import changed
 from rdpm.studies.measures import QUANTITIES
 from rdpm.studies.spread import Spread, number
 from rdpm.studies.tuning.choice import StepChoice, Window, keeps_overlap, makes_no_work, relative_changes
+from rdpm.studies.tuning.confirm import Confirmation
 from rdpm.studies.tuning.options import ROOM_STEPS, TuneOptions
 from rdpm.studies.tuning.reading import Probed
 from rdpm.studies.write import study_to_toml
@@ -55,6 +56,8 @@ class Tuning:
     kind : str
         The kind of pair whose contact is given.
     command : str
+    confirmation : Confirmation, optional
+        The chosen contact on a finer grid, where that was asked for.
     """
 
     name: str
@@ -72,6 +75,7 @@ class Tuning:
     dry: design.Design
     kind: str
     command: str
+    confirmation: Confirmation | None = None
 
     @property
     def chosen(self) -> dict[str, Any] | None:
@@ -96,8 +100,9 @@ class Tuning:
         return "the outcome differs" if makes_no_work(row, self.options.work_tolerance) else "a contact makes energy"
 
     def verdict(self) -> str:
-        """What was chosen and why, in three sentences."""
-        return " ".join((self._step_said(), self._window_said(), self._dry_said()))
+        """What was chosen and why, in three sentences; with a finer run what that says."""
+        confirmed = () if self.confirmation is None else (self.confirmation.sentence(),)
+        return " ".join((self._step_said(), self._window_said(), self._dry_said(), *confirmed))
 
     def _step_said(self) -> str:
         step, dt = self.step, time_text(self.step.dt_s)
@@ -176,6 +181,8 @@ class Tuning:
                 "contact_steps_range": list(found) if found else None, "text": self.dry.advice.text,
             },
             "case_file": None if self.window is None else str(self.case_file),
+            "confirmation": None if self.confirmation is None
+            else asdict(self.confirmation) | {"holds": self.confirmation.holds},
         }  # fmt: skip
 
     def case_text(self) -> str:
@@ -200,7 +207,7 @@ class Tuning:
         return f"{head}\n# N_c from {self.window} keeps to all rules.\n{study_to_toml(content)}"
 
     def save(self) -> list[Path]:
-        """Write ``tune.json``, ``time_steps.csv``, ``contact_steps.csv``, ``tune.png`` and, with a range, the case.
+        """Write ``tune.json``, the tables and ``tune.png``; with a range also the case.
 
         Returns
         -------
@@ -216,6 +223,9 @@ class Tuning:
         if self.step_rows:
             files.append(self.folder / "time_steps.csv")
             _write_csv(files[-1], content["time_steps"])
+        if self.confirmation is not None:
+            files.append(self.folder / "confirmation.csv")
+            _write_csv(files[-1], self.confirmation.rows)
         files.append(plot_tuning(self.folder / "tune.png", content, _axis_names(self.seen)))
         if self.window is not None:
             with replacing(self.case_file) as temporary:

@@ -26,6 +26,7 @@ from rdpm.studies.spread import Spread, spread_of
 from rdpm.studies.study import run_study
 from rdpm.studies.study_file import LoadedStudy, load_study
 from rdpm.studies.tuning.choice import StepChoice, choose_step, choose_window, differs
+from rdpm.studies.tuning.confirm import FINER, finer, measured
 from rdpm.studies.tuning.options import ROOM_STEPS, SHIFTS, TuneOptions, step_candidates
 from rdpm.studies.tuning.reading import (
     BEFORE_CONTACT,
@@ -55,6 +56,7 @@ def tune(
     workers: int | None = None,
     quiet: bool = False,
     command: str = "",
+    confirm: bool = False,
 ) -> Tuning:
     """Find the time step and the contact steps of a case by running it.
 
@@ -73,6 +75,8 @@ def tune(
         Show no progress.
     command : str
         That makes it again; kept in the folder.
+    confirm : bool
+        Whether the chosen contact is run once more, at twice the resolution.
 
     Returns
     -------
@@ -96,7 +100,11 @@ def tune(
     if not kinds_of_pairs(case):
         raise CaseError(name, None, "must have bodies that can touch", "a contact is what is tuned",
                         "Add a second body, or a wall.")  # fmt: skip
-    return _Tuner(name, raw, case, out, options, workers, quiet, command).done()
+    if confirm:
+        finer(case, 8.0, 1.0, case.time.end)  # refuses a dry case
+    tuner = _Tuner(name, raw, case, out, options, workers, quiet, command)
+    found = tuner.done()
+    return tuner.confirmed(found) if confirm and found.chosen is not None else found
 
 
 def _raw(source: str | Path, overrides: Sequence[str]) -> dict[str, Any]:
@@ -140,6 +148,28 @@ class _Tuner:
             self.name, self.out, self.raw, seen, self.options, self.restitution, limit, tuple(steps), choice,
             tuple(rows), spread, window, design, kind.name, self.command,
         )  # fmt: skip
+
+    def confirmed(self, found: Tuning) -> Tuning:
+        """The same with the chosen contact run at twice the resolution."""
+        chosen, dt = found.chosen, found.step.dt_s
+        assert chosen is not None
+        same = {"contact.restitution": self.restitution}
+        candidates = [same | more for more in finer(self.case, chosen["contact_steps"], dt, found.seen.judged_s)]
+        refusals = [self._refusal(changes) for changes in candidates]
+        n = next((n for n, refusal in enumerate(refusals) if not refusal), None)
+        status, run, used = ("refused", refusals[-1]), None, candidates[n if n is not None else -1]
+        if n is not None:
+            title = "confirmation at twice the resolution"
+            results = self._run(self._study("confirm", title, [{"name": "fine", "set": used}]))
+            row = results.table.iloc[0]
+            status = str(row["status"]), str(row["reason"] or "")
+            run = results.run("fine") if status[0] == "done" else None
+        coarse = _across(self.case)
+        return replace(found, confirmation=measured(
+            chosen, run, (found.seen.measure, found.seen.outcome), status,
+            (found.overlap_limit, self.options.work_tolerance), differs(found.spread, self.options.of_outcome),
+            (coarse, FINER * coarse), (dt, used["time.step"]),
+        ))  # fmt: skip
 
     def _make_folder(self) -> None:
         is_old = (self.out / "probe" / "study.json").is_file()
@@ -304,6 +334,15 @@ def _own_contact_time(case: Case) -> float:
     made = plan(case)
     times = [pair.design.contact_time_s for pair in made.pairs if pair.design.contact_time_s is not None]
     return min(times, default=ROOM_STEPS * made.step.dt)
+
+
+def _across(case: Case) -> float:
+    """Cells a diameter: as given, or those of the smallest body."""
+    assert case.resolution is not None  # `finer` refuses a dry case
+    if case.resolution.cells_per_diameter is not None:
+        return case.resolution.cells_per_diameter
+    largest = max(length / n for length, n in zip(case.domain.size, case.resolution.cells or (), strict=True))
+    return float(case.expanded_bodies().diameter.min()) / largest
 
 
 def _step_name(dt: float) -> str:

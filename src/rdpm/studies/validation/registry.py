@@ -14,6 +14,7 @@ from rdpm.studies.validation.rebound import rebound
 from rdpm.studies.validation.result import Chart, Found, Row, Tell
 from rdpm.studies.validation.rotation import rotation
 from rdpm.studies.validation.simple_cubic import simple_cubic
+from rdpm.studies.validation.stream import stream
 from rdpm.studies.validation.ten_cate import E1, E3, ten_cate
 from rdpm.studies.validation.time_order import time_order
 
@@ -27,6 +28,7 @@ CASES: dict[str, tuple[Callable[[bool, Tell], Found], bool]] = {
     "basset": (basset, True),
     "rotation": (rotation, True),
     "mordant-pinton": (mordant_pinton, False),
+    "stream": (stream, True),
     "near-contact": (near_contact, True),
     "rebound": (rebound, True),
     "time-order": (time_order, True),
