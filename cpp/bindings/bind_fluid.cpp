@@ -84,7 +84,8 @@ void diffuse_stabilised(const Grid& g, const InOut<double>& velocity, const InOu
     const auto beyond = [&](const InOut<double>& array, const char* name, bool is_open) {
         return array.checked(name, {is_open ? stages - 1 : 0, g.ny() + 2, g.nx() + 2});
     };
-    const std::array<double*, 2> of_others{beyond(below, "below", g.joined[0]), beyond(above, "above", g.joined[1])};
+    const std::array<double*, 2> of_others{beyond(below, "below", g.joined[0]),
+                                           beyond(above, "above", g.joined[1])};
     const auto coefficients = legendre_stages(stages, dt);
     nb::gil_scoped_release released;
     stabilised_diffusion(g, target, source, component, nu, coefficients, planes, of_others);
@@ -128,8 +129,8 @@ void project_inwards(Projection& projection, const Grid& g, const InOut<double>&
 }
 
 void project_outwards(Projection& projection, const Grid& g, const InOut<double>& u, const InOut<double>& v,
-                      const InOut<double>& w, const InOut<double>& p, const InOut<double>& increment, double dt,
-                      double rotational, const InOut<double>& below, const InOut<double>& above) {
+                      const InOut<double>& w, const InOut<double>& p, const InOut<double>& increment,
+                      double dt, double rotational, const InOut<double>& below, const InOut<double>& above) {
     require_slab(g, projection);
     const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
     double *pressure = field(g, p, "p"), *phi = field(g, increment, "increment");
@@ -139,7 +140,8 @@ void project_outwards(Projection& projection, const Grid& g, const InOut<double>
 }
 
 void project_finish(Projection& projection, const Grid& g, const InOut<double>& u, const InOut<double>& v,
-                    const InOut<double>& w, const InOut<double>& p, const InOut<double>& increment, double dt) {
+                    const InOut<double>& w, const InOut<double>& p, const InOut<double>& increment,
+                    double dt) {
     require_slab(g, projection);
     const VelocityArrays q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
     double *pressure = field(g, p, "p"), *phi = field(g, increment, "increment");

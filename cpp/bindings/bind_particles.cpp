@@ -71,7 +71,7 @@ class Markers {
         spread(g, q, set_, values, volumes, factor);
     }
     void inner_sums_of(const Grid& g, const In<double>& u, const In<double>& v, const In<double>& w,
-                         const In<double>& position, const In<double>& radius,
+                       const In<double>& position, const In<double>& radius,
                        const InOut<double>& sums) const {
         require_placed(g);
         const VelocityView q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
@@ -203,8 +203,8 @@ void bind_particles(nb::module_& module) {
         .def("interpolate", &Markers::interpolate_to, "grid"_a, "u"_a, "v"_a, "w"_a, "velocity"_a)
         .def("spread", &Markers::spread_from, "grid"_a, "u"_a, "v"_a, "w"_a, "value"_a, "volume"_a,
              "factor"_a)
-        .def("inner_sums", &Markers::inner_sums_of, "grid"_a, "u"_a, "v"_a, "w"_a, "position"_a,
-             "radius"_a, "sums"_a)
+        .def("inner_sums", &Markers::inner_sums_of, "grid"_a, "u"_a, "v"_a, "w"_a, "position"_a, "radius"_a,
+             "sums"_a)
         .def_prop_ro("count", &Markers::count);
     module.def("sum_over_markers", &sum_values, "first"_a, "arm"_a, "volume"_a, "value"_a, "threads"_a,
                "sums"_a);

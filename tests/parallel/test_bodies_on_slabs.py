@@ -63,9 +63,7 @@ def test_spheres_on_slabs_move_as_on_one_rank(changes) -> None:
 def test_a_sphere_takes_its_lagged_forces_to_the_next_slab() -> None:
     """It falls from the upper slab through the interface into the lower one."""
     fast = {"diameter": D, "density": 8000.0, "centers": [[0.03, 0.03, 0.12]], "velocity": [0.0, 0.0, -1.2]}
-    made = oil_case(
-        bodies=[fast], domain__size=[0.06, 0.06, 0.15], resolution__cells_per_diameter=4, time__step=1.5e-3
-    )
+    made = oil_case(bodies=[fast], domain__size=[0.06, 0.06, 0.15], resolution__cells_per_diameter=4, time__step=1.5e-3)
     case = rdpm.load_case(made)
     one = advanced(case, ALONE, 60)
 

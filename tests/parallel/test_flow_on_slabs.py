@@ -60,7 +60,10 @@ def test_slabs_compute_what_one_rank_computes(boundary, planes, is_explicit: boo
             if name == "p":
                 part = part - state["pressure_offset"]
             np.testing.assert_allclose(
-                part[1:-1, 1:-1, 1:-1], whole[slab.take][1:-1, 1:-1, 1:-1], rtol=0.0, atol=TOLERANCE * np.abs(whole).max()
+                part[1:-1, 1:-1, 1:-1],
+                whole[slab.take][1:-1, 1:-1, 1:-1],
+                rtol=0.0,
+                atol=TOLERANCE * np.abs(whole).max(),
             )
         # All ranks know the same measures, and choose the same step.
         assert fluid.cfl_rate == pytest.approx(one.cfl_rate, rel=TOLERANCE)

@@ -56,7 +56,9 @@ def test_a_dry_case_on_three_ranks_is_byte_identical(tmp_path) -> None:
 def test_a_wet_case_on_two_ranks_and_a_killed_one(tmp_path) -> None:
     """A rank is killed: the other ends in seconds, and the run resumes to the results of one that was not."""
     output = {"table_every": 4e-3, "checkpoint_every": 4e-3, "report": False}
-    name = case_file(tmp_path, oil_case(resolution__cells_per_diameter=4, time__end=0.03, time__step=1e-3, output=output))
+    name = case_file(
+        tmp_path, oil_case(resolution__cells_per_diameter=4, time__end=0.03, time__step=1e-3, output=output)
+    )
     done = call(2, "run", name, "--out", "whole", "--quiet", "--threads", "1", folder=tmp_path)
     assert done.returncode == 0, done.stderr
     run = subprocess.Popen(

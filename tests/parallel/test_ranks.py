@@ -10,8 +10,9 @@ import rdpm
 from builders import in_oil, oil_case
 from rdpm.errors import CaseError, OutputError, OverlapError
 from rdpm.io.tables import read_table
+from rdpm.parallel.agreement import OnRoot, agree, guarding, on_root, together
 from rdpm.parallel.gather import Planes, rows_on_root, with_planes
-from rdpm.parallel.ranks import OnRoot, agree, guarding, launched, launched_rank, on_root, single, together, world
+from rdpm.parallel.ranks import launched, launched_rank, single, world
 from rdpm.parallel.threads import available_threads, processors
 from rdpm.runs.runner import run_case
 from rdpm.runs.stopping import Interrupted, StopRequest
@@ -47,7 +48,10 @@ def test_the_error_of_the_lowest_rank_is_raised_everywhere() -> None:
 
 
 def test_ranks_without_an_error_go_on() -> None:
-    assert on_ranks(2, lambda ranks: (agree(ranks, None), together(ranks, lambda: ranks.rank))) == [(None, 0), (None, 1)]
+    assert on_ranks(2, lambda ranks: (agree(ranks, None), together(ranks, lambda: ranks.rank))) == [
+        (None, 0),
+        (None, 1),
+    ]
 
 
 def test_an_error_that_others_do_not_know_of_ends_them(capsys) -> None:
@@ -140,7 +144,13 @@ def test_ranks_of_a_node_share_its_processors(monkeypatch) -> None:
 
 def test_a_run_on_ranks_writes_what_one_rank_writes_and_resumes_on_any_number(tmp_path) -> None:
     """Wet, through an interface: tables, fields, checkpoints; then on from the middle on two, three and one."""
-    output = {"table_every": 4e-3, "fields_every": 8e-3, "checkpoint_every": 8e-3, "checkpoints_kept": 9, "report": False}
+    output = {
+        "table_every": 4e-3,
+        "fields_every": 8e-3,
+        "checkpoint_every": 8e-3,
+        "checkpoints_kept": 9,
+        "report": False,
+    }
     ball = [{"diameter": 0.015, "density": 4000.0, "centers": [[0.027, 0.034, 0.05]], "velocity": [0.1, -0.1, -0.3]}]
     made = oil_case(bodies=ball, resolution__cells_per_diameter=4, time__end=0.024, time__step=1e-3, output=output)
     case = rdpm.load_case(made)

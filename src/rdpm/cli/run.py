@@ -16,7 +16,8 @@ from cyclopts import Parameter
 from rdpm.cli.progress import Reporter, say
 from rdpm.cli.source import case_source
 from rdpm.errors import CaseError, CheckpointError
-from rdpm.parallel.ranks import Ranks, guarding, on_root, world
+from rdpm.parallel.agreement import guarding, on_root
+from rdpm.parallel.ranks import Ranks, world
 from rdpm.parallel.threads import available_threads, checked_threads
 
 if TYPE_CHECKING:

@@ -8,7 +8,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from rdpm.errors import CaseError
-from rdpm.parallel.ranks import ALONE, Ranks, on_root
+from rdpm.parallel.agreement import on_root
+from rdpm.parallel.ranks import ALONE, Ranks
 
 __all__ = ["holder", "locked"]
 

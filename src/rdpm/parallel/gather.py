@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm.parallel.ranks import Ranks, on_root
+from rdpm.parallel.agreement import on_root
+from rdpm.parallel.ranks import Ranks
 
 __all__ = ["Planes", "rows_on_root", "with_planes"]
 

@@ -15,8 +15,8 @@ from rdpm.coupling.system import System
 from rdpm.errors import CheckpointError
 from rdpm.io.checkpoint import read_checkpoint, read_facts, read_rows, write_checkpoint
 from rdpm.io.files import reporting
+from rdpm.parallel.agreement import on_root
 from rdpm.parallel.gather import Planes, with_planes
-from rdpm.parallel.ranks import on_root
 from rdpm.results.run_folder import RunFolder
 from rdpm.runs.recorder import Recorder
 from rdpm.simulation.guards import check_divergence

@@ -10,7 +10,7 @@ from typing import Any
 from rdpm.errors import CaseError
 from rdpm.io.files import reporting
 from rdpm.io.tables import TableWriter
-from rdpm.parallel.ranks import OnRoot
+from rdpm.parallel.agreement import OnRoot
 from rdpm.simulation.record import Record
 from rdpm.simulation.time_loop import TimeLoop
 

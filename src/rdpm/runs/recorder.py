@@ -19,8 +19,8 @@ from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, TableWriter
 from rdpm.io.vtkhdf import FLOW, FieldWriter
 from rdpm.io.vtkhdf_bodies import BodyWriter
 from rdpm.io.wall_surface import write_walls
+from rdpm.parallel.agreement import OnRoot, on_root
 from rdpm.parallel.gather import Planes, with_planes
-from rdpm.parallel.ranks import OnRoot, on_root
 from rdpm.particles.state import LOADS
 from rdpm.results.contacts import NOT_OUTSIDE, count_reasons, is_pressed, outside_range
 from rdpm.results.run_folder import TABLES, RunFolder

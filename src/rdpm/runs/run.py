@@ -10,7 +10,8 @@ from rdpm.config.case import Case
 from rdpm.config.load import load_case
 from rdpm.errors import CaseError
 from rdpm.io.files import reporting
-from rdpm.parallel.ranks import on_root, world
+from rdpm.parallel.agreement import on_root
+from rdpm.parallel.ranks import world
 from rdpm.results.frames import RunFrames, open_run
 from rdpm.runs.runner import OwnRecord, run_case
 from rdpm.setup import Simulation, plan

@@ -13,7 +13,8 @@ from rdpm.config.write import case_to_toml
 from rdpm.errors import CaseError, CheckpointError, GuardError, RdpmError
 from rdpm.io.files import replacing, reporting
 from rdpm.io.lock import locked
-from rdpm.parallel.ranks import Ranks, guarding, on_root, together, world
+from rdpm.parallel.agreement import guarding, on_root, together
+from rdpm.parallel.ranks import Ranks, world
 from rdpm.results.run_folder import RunFolder
 from rdpm.results.summary import Summary, read_summary, write_summary
 from rdpm.results.warnings import RunWarning

@@ -11,7 +11,7 @@ from rdpm.coupling.step import step
 from rdpm.coupling.system import System
 from rdpm.errors import CaseError
 from rdpm.fluid import Fluid
-from rdpm.parallel.ranks import together
+from rdpm.parallel.agreement import together
 from rdpm.particles.state import Bodies
 from rdpm.simulation.guards import check_divergence, check_step
 from rdpm.simulation.record import Record

@@ -55,8 +55,8 @@ inline EndPlane end_plane(const Grid& g, int k, int neighbour, int component) {
 }
 
 // velocity += D_s for one component, of two stages or more. The rate's halo is filled, as a change's.
-// `scratch`: 3 (stages-2) planes a thread. `beyond`: of a slab, stages-1 planes of the rate below it and as many
-// above.
+// `scratch`: 3 (stages-2) planes a thread. `beyond`: of a slab, stages-1 planes of the rate below it and as
+// many above.
 inline void stabilised_diffusion(const Grid& g, double* velocity, double* rate, int component, double nu,
                                  const std::vector<Stage>& stage, double* scratch,
                                  std::array<double*, 2> beyond) {
@@ -66,7 +66,8 @@ inline void stabilised_diffusion(const Grid& g, double* velocity, double* rate, 
                  cz = nu / (g.spacing[2] * g.spacing[2]);
     const int last_plane = component == face_z ? g.last_face(2) : nz;
     const bool wraps = g.wraps(2);
-    const int lowest = g.has_face(2, 0) ? 1 : 1 - stages, highest = g.has_face(2, 1) ? last_plane : nz + stages;
+    const int lowest = g.has_face(2, 0) ? 1 : 1 - stages,
+              highest = g.has_face(2, 1) ? last_plane : nz + stages;
     const int threads = std::min(g.threads, nz);
     const double first_weight = stage[0].rate;  // D_1 = first_weight M
 #pragma omp parallel num_threads(threads)

@@ -1,11 +1,12 @@
 // The interfaces of slabs in the solve along z: of each mode, two unknowns where two slabs meet.
 //
-// Slab i of n planes holds b x_k - x_{k-1} - x_{k+1} = r_k, rho + 1/rho = b, so with the values A below and B above
-// it, x_1 = p + alpha A + beta B and x_n = q + alpha' B + beta A: alpha and beta are closed forms in rho and n, and
-// only p and q travel. With y_i the last plane below interface i and z_i the first one above it,
+// Slab i of n planes holds b x_k - x_{k-1} - x_{k+1} = r_k, rho + 1/rho = b, so with the values A below and B
+// above it, x_1 = p + alpha A + beta B and x_n = q + alpha' B + beta A: alpha and beta are closed forms in
+// rho and n, and only p and q travel. With y_i the last plane below interface i and z_i the first one above
+// it,
 //     y_i - alpha'_i z_i - beta_i y_{i-1} = q_i,   z_i - alpha_{i+1} y_i - beta_{i+1} z_{i+1} = p_{i+1}.
-// Upwards y_i = Y_i + C_i z_i (+ F_i s); downwards z_i. Where z is periodic, s is the last plane of the last slab,
-// and t the first plane of the first one: both are found where the two ways meet.
+// Upwards y_i = Y_i + C_i z_i (+ F_i s); downwards z_i. Where z is periodic, s is the last plane of the last
+// slab, and t the first plane of the first one: both are found where the two ways meet.
 #pragma once
 #include <cmath>
 #include <cstddef>
@@ -20,7 +21,8 @@ struct SlabAnswer {
 
 inline SlabAnswer slab_answer(double decay, int n, bool is_wall_across) {
     const double rho = std::exp(-decay);
-    if (is_wall_across) return {rho * (1.0 + std::exp(-(2 * n - 1) * decay)) / (1.0 + std::exp(-(2 * n + 1) * decay)), 0.0};
+    if (is_wall_across)
+        return {rho * (1.0 + std::exp(-(2 * n - 1) * decay)) / (1.0 + std::exp(-(2 * n + 1) * decay)), 0.0};
     if (decay == 0.0) return {n / (n + 1.0), 1.0 / (n + 1.0)};
     const double whole = -std::expm1(-(2 * n + 2) * decay);
     return {rho * -std::expm1(-2 * n * decay) / whole,
@@ -32,7 +34,11 @@ class Interfaces {
   public:
     // `m`: lambda dz^2 of each mode; `planes`: of each slab.
     Interfaces(const std::vector<double>& m, const std::vector<int>& planes, bool is_periodic)
-        : modes_(m.size()), slabs_(planes.size()), periodic_(is_periodic), row_(slabs_ * modes_), closing_(modes_) {
+        : modes_(m.size()),
+          slabs_(planes.size()),
+          periodic_(is_periodic),
+          row_(slabs_ * modes_),
+          closing_(modes_) {
         for (std::size_t o = 0; o < modes_; ++o) prepare(o, m[o], planes);
     }
 
@@ -48,9 +54,9 @@ class Interfaces {
     }
 
   private:
-    struct Row {  // of a slab
-        double alpha, beta;      // of its first plane
-        double inverse, c, f;    // 1 / (1 - alpha C of the slab below), C and F of its last plane
+    struct Row {               // of a slab
+        double alpha, beta;    // of its first plane
+        double inverse, c, f;  // 1 / (1 - alpha C of the slab below), C and F of its last plane
     };
     struct Closing {
         double of_s, pivot, from_s, from_t;

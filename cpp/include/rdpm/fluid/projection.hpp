@@ -6,9 +6,9 @@
 // each other in between; more threads share the planes of a batch and the rows of modes. The arithmetic, and
 // so the result, is the same for any number of threads.
 //
-// Of a slab, `inwards` ends with the values p of its first and q of its last plane were all beyond its ends zero;
-// from those of all slabs the true values below and above it are found, with which `outwards` goes back.
-// `finish` needs the increment of the plane above, and `measure_flow` the corrected face below.
+// Of a slab, `inwards` ends with the values p of its first and q of its last plane were all beyond its ends
+// zero; from those of all slabs the true values below and above it are found, with which `outwards` goes
+// back. `finish` needs the increment of the plane above, and `measure_flow` the corrected face below.
 #pragma once
 #include <omp.h>
 
@@ -59,8 +59,7 @@ class Projection {
           transform_(g),
           solver_(g.nx(), g.ny(), g.nz(), g.spacing[2],
                   mode_eigenvalues(g.nx(), g.spacing[0], g.boundary[0] == periodic),
-                  mode_eigenvalues(g.ny(), g.spacing[1], g.boundary[1] == periodic),
-                  g.wraps(2), g.joined),
+                  mode_eigenvalues(g.ny(), g.spacing[1], g.boundary[1] == periodic), g.wraps(2), g.joined),
           carry_{modes(), modes()},
           gather_{solver_.has_outer(0) ? modes() : std::vector<double>{},
                   solver_.has_outer(1) ? modes() : std::vector<double>{}},
@@ -82,8 +81,8 @@ class Projection {
         return measures(q);
     }
 
-    // The three parts of the same on a slab; `ends`: p and q, then the values below and above, a plane of modes
-    // each. The faces between the last plane and the slab above are current in that slab's halo.
+    // The three parts of the same on a slab; `ends`: p and q, then the values below and above, a plane of
+    // modes each. The faces between the last plane and the slab above are current in that slab's halo.
     void inwards(VelocityArrays q, double* phi, double dt, std::array<double*, 2> ends) {
         take(q, nullptr, phi, dt, 0.0);
         ends_ = ends;
@@ -265,8 +264,7 @@ class Projection {
                 double* g = inner(plane_of(half, t));
                 for (int j = first - 1; j < last - 1; ++j) {
                     double* carry = carry_[half].data() + row_of_modes(j);
-                    if (n > 0)
-                        solver_.substitute(half, t, j, g + j * g_.row(), carry, outer(half, j));
+                    if (n > 0) solver_.substitute(half, t, j, g + j * g_.row(), carry, outer(half, j));
                     std::copy_n(carry, nx, g + j * g_.row());
                 }
             }
@@ -359,8 +357,8 @@ class Projection {
         fill_plane_halo(g_, w, face_z, Walls::moving);
     }
 
-    // Planes up to the middle of the box are measured with the face above them, those beyond it with the face below,
-    // wherever the box is cut. The first of the latter counts the last face, and is left to the end.
+    // Planes up to the middle of the box are measured with the face above them, those beyond it with the face
+    // below, wherever the box is cut. The first of the latter counts the last face, and is left to the end.
     int left_to_end() const { return std::max(1, measured_above_ + 1); }
     void measure_with(int k, int face) {
         if (k >= 1 && k <= g_.nz() && k != left_to_end() && face == (k <= measured_above_ ? k : k - 1))

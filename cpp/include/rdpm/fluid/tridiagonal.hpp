@@ -4,7 +4,8 @@
 // x_{k+1} (+ e_k X where the direction is periodic: X is the value of the last plane, left out of the
 // elimination and found at the end). c_k tends to the mode's decay rate rho and e_k to zero within a few
 // planes except for the longest waves, which come first in every row of modes: only those few leave their
-// limit and are stored. A half that begins at another slab carries e_k times the value beyond its end likewise.
+// limit and are stored. A half that begins at another slab carries e_k times the value beyond its end
+// likewise.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -49,7 +50,7 @@ struct Elimination {
     LeadingModes c, e;
 };
 
-struct Half {  // of the planes, from its end (t = 0) to the middle (t = planes - 1)
+struct Half {                  // of the planes, from its end (t = 0) to the middle (t = planes - 1)
     int planes = 0, kind = 0;  // which elimination
     std::vector<double> c, e,
         sum;  // at the middle: c, product of all c, and the sum of e_{t-1} e_t; a plane of modes each
@@ -113,8 +114,8 @@ class Tridiagonal {
         }
     }
 
-    // Row j of plane t of a half: carry (x of plane t+1) -> x of plane t, from its g. `outer`: the value beyond its
-    // end.
+    // Row j of plane t of a half: carry (x of plane t+1) -> x of plane t, from its g. `outer`: the value
+    // beyond its end.
     void substitute(int half, int t, int j, const double* g, double* carry, const double* outer) const {
         const Elimination& kind = kind_[half_[half].kind];
         const int n = kind.c.count(t, j);
@@ -160,8 +161,8 @@ class Tridiagonal {
         }
     }
 
-    // Row j of a slab: from g of both middle planes and the gathered sums, the values p of its first and q of its
-    // last plane were all values beyond its ends zero.
+    // Row j of a slab: from g of both middle planes and the gathered sums, the values p of its first and q of
+    // its last plane were all values beyond its ends zero.
     void at_ends(int j, const double* lower, const double* upper, const double* gather_lower,
                  const double* gather_upper, double* p, double* q) const {
         const std::size_t o = static_cast<std::size_t>(j) * nx_;

@@ -24,8 +24,8 @@ struct Grid {
     std::array<int, 3> boundary{};           // of the x, y, z pairs
     std::array<double, 18> wall_velocity{};  // [face][component] [m/s]; x_lower, x_upper, y_lower, ...
     int threads = 1;
-    // A slab of a box cut across z: planes of the box below it, planes of the whole box (0: it is the box), and
-    // whether its lower and upper end adjoin another slab, from which their halo comes.
+    // A slab of a box cut across z: planes of the box below it, planes of the whole box (0: it is the box),
+    // and whether its lower and upper end adjoin another slab, from which their halo comes.
     int planes_below = 0, box_planes = 0;
     std::array<bool, 2> joined{};
 
@@ -57,15 +57,15 @@ struct Grid {
     // Index of a plane of the box, 1 to `whole(2)`, among those of the slab.
     int plane_here(int plane) const { return plane - planes_below; }
     // Whether the first plane follows the last one here: the planes of a slab end at other slabs.
-    bool wraps(int direction) const { return boundary[direction] == periodic && !(direction == 2 && is_slab()); }
+    bool wraps(int direction) const {
+        return boundary[direction] == periodic && !(direction == 2 && is_slab());
+    }
     bool has_face(int direction, int side) const {
         return boundary[direction] != periodic && !(direction == 2 && joined[side]);
     }
 
     // Planes whose normal face is inside the box: the last face of a walled direction is the wall itself.
-    int last_face(int direction) const {
-        return cells[direction] - (has_face(direction, 1) ? 1 : 0);
-    }
+    int last_face(int direction) const { return cells[direction] - (has_face(direction, 1) ? 1 : 0); }
 };
 
 // The planes [first, last) of 1..n that thread `t` of `threads` owns.

@@ -25,8 +25,8 @@ struct Stencil {
 
 // Stencil of a point at x along direction d for values on faces (of d) or at centres. Folded: a halo value is
 // sign * inner + (1 - sign) * wall speed, so its weight goes to the inner value; a periodic index is wrapped.
-// `location`: the component whose values these are, which decides the sign at a side. In a slab, indices are its own
-// and what lies in planes of others has no weight.
+// `location`: the component whose values these are, which decides the sign at a side. In a slab, indices are
+// its own and what lies in planes of others has no weight.
 inline Stencil stencil_along(const Grid& g, int d, double x, int location) {
     const int n = g.whole(d);
     const bool on_faces = d == location;

@@ -142,11 +142,11 @@ inline bool is_within_a_period(const Grid& g, const double* centre, double radiu
     return true;
 }
 
-// Sums over the fluid within `radius` of each centre, (bodies, 12): velocity (3) and its weight (3), moment of
-// velocity (3) and squared arm (3), whose ratios are mean velocity and angular velocity. The markers are those of the same bodies: they know what to fetch ahead, and
-// in which order.
+// Sums over the fluid within `radius` of each centre, (bodies, 12): velocity (3) and its weight (3), moment
+// of velocity (3) and squared arm (3), whose ratios are mean velocity and angular velocity. The markers are
+// those of the same bodies: they know what to fetch ahead, and in which order.
 inline void inner_sums(const Grid& g, const VelocityView& q, const StencilSet& set, const double* position,
-                         const double* radius, double* out) {
+                       const double* radius, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
     const int bodies = set.bodies();
 #pragma omp parallel num_threads(g.threads) if (set.count() > few_markers)

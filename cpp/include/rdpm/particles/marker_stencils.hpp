@@ -4,8 +4,8 @@
 // the fields stays in the core's cache while they are worked on, and the next body's is fetched meanwhile. A
 // marker away from the faces of the box is kept as the place of its nearest centre and its distance from it,
 // and its weights are found again at each use: that is less than reading them; across a periodic face its
-// points are wrapped. Beside walls the stencils are folded, and kept. In a slab a marker that touches planes of other
-// slabs too is kept like one to be wrapped, and works on the planes of this slab alone.
+// points are wrapped. Beside walls the stencils are folded, and kept. In a slab a marker that touches planes
+// of other slabs too is kept like one to be wrapped, and works on the planes of this slab alone.
 #pragma once
 #include <omp.h>
 
@@ -149,7 +149,8 @@ struct Weights {
 
 enum class Place { inside, wrapped, folded, absent };
 
-// Where a marker is in a slab; its nearest plane becomes one of the slab's, of the image that is nearest to it.
+// Where a marker is in a slab; its nearest plane becomes one of the slab's, of the image that is nearest to
+// it.
 inline Place locate_in_slab(const Grid& g, Place in_box, int& plane, bool is_face_below) {
     const int n = g.nz(), whole = g.box_planes;
     if (plane < -most_periods * whole || plane > most_periods * whole) return in_box;  // refused later
@@ -340,7 +341,8 @@ struct WrappedPoints {
             x[a] = wrapped(0, nearest[0] - 2 + a);
             y[a] = wrapped(1, nearest[1] - 2 + a) * static_cast<std::ptrdiff_t>(g.row());
             plane[a] = wrapped(2, nearest[2] - 2 + a);
-            z[a] = (g.is_slab() ? std::clamp(plane[a], 1, g.nz()) : plane[a]) * static_cast<std::ptrdiff_t>(g.plane());
+            z[a] = (g.is_slab() ? std::clamp(plane[a], 1, g.nz()) : plane[a]) *
+                   static_cast<std::ptrdiff_t>(g.plane());
         }
         for (int d = 0; d < 3; ++d) is_below[d] = std::signbit(set.from_centre[d][inner]);
     }
