@@ -4,6 +4,8 @@ import re
 import sys
 from pathlib import Path
 
+from docutils import nodes
+
 sys.path.insert(0, str(Path(__file__).parent))
 
 import rdpm
@@ -38,6 +40,7 @@ html_css_files = ["wide.css"]
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # the docstrings say type, shape, unit and range
+autodoc_preserve_defaults = True  # as the source has them, not what they evaluate to
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_use_ivar = True
@@ -50,6 +53,14 @@ def _plain_references(app, what, name, obj, options, lines):
         lines[n] = re.sub(r"^(\s*)\.\. \[(\d)\] ", r"\1\2. ", line)
 
 
+def _dashes(app, doctree):
+    """Set the dash between a parameter and its meaning; two hyphens are left to options."""
+    for text in list(doctree.findall(nodes.Text)):
+        if text.startswith(" -- "):
+            text.parent.replace(text, nodes.Text(f" \N{EN DASH} {text[4:]}"))
+
+
 def setup(app):
     """Add what is particular to these pages."""
+    app.connect("doctree-read", _dashes)
     app.connect("autodoc-process-docstring", _plain_references, priority=400)

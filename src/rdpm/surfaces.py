@@ -115,9 +115,7 @@ class Cylinder:
     def row(self) -> Floats:
         """As the contact kernels read it, (5, 3)."""
         axis = _unit(self.axis)
-        return np.array(
-            [(1.0, self._sign, self.radius), self.point, axis, self.velocity, self.angular_velocity * axis]
-        )
+        return np.array([(1.0, self._sign, self.radius), self.point, axis, self.velocity, self.angular_velocity * axis])
 
     def distance(self, points: ArrayLike, period: ArrayLike = _STILL) -> tuple[Floats, Floats]:
         """Distance of points from the wall, and unit vectors away from it.

@@ -12,9 +12,9 @@ DIRECTIONS = [0, 1, 2]
 #: Of velocities of order 1: a step of the pressure solve leaves a few units in the last place.
 ROUND_OFF = 1e-14
 
-#: What the outlet changes, over the vortex's own velocity, as docs/theory/inflow.md states it. Measured for a weak and a
-#: strong one: 0.15 and 0.23 in the cells before the outlet while the core passes it (0.33 with a zero gradient there),
-#: 0.012 and 0.017 a width or more upstream, and 0.003 of it is left in the box in the end.
+#: What the outlet changes, over the vortex's own velocity, as docs/theory/inflow.md states it. Measured for a weak
+#: and a strong one: 0.15 and 0.23 in the cells before the outlet while the core passes it (0.33 with a zero
+#: gradient there), 0.012 and 0.017 a width or more upstream, and 0.003 of it is left in the box in the end.
 PASSING, UPSTREAM, REMAINING = {0.05: 0.18, 0.8: 0.25}, 0.02, 0.004
 
 

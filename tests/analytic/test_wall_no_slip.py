@@ -47,7 +47,7 @@ def test_flow_through_a_tube_is_a_parabola() -> None:
 def test_a_moving_tube_moves_its_fluid() -> None:
     """As a solid, turning about its axis and sliding along it; four cells behind the wall move with it."""
     turning, speed = 3.0, 0.02
-    sim, h, x = _tube(12, wall={"angular_velocity": turning, "velocity": [0, 0, speed]}, width=1.8)
+    sim, _, x = _tube(12, wall={"angular_velocity": turning, "velocity": [0, 0, speed]}, width=1.8)
     middle = len(x) // 2
     across, along = (q[2, 1:-1, 1:-1][middle] for q in (sim.fluid.v, sim.fluid.w))
     inner = np.abs(x) < 0.7 * RADIUS
@@ -62,16 +62,16 @@ def test_a_sphere_settles_slower_in_a_tube() -> None:
     """
     d, mu, density, ratio = 5e-3, 0.1, 1000.0, 1.5
     h, share = d / 8, 0.5
-    exact = (1 - 0.75857 * share**5) / (
-        1 - 2.1050 * share + 2.0865 * share**3 - 1.7068 * share**5 + 0.72603 * share**6
-    )
+    exact = (1 - 0.75857 * share**5) / (1 - 2.1050 * share + 2.0865 * share**3 - 1.7068 * share**5 + 0.72603 * share**6)
     stokes = 0.05 * mu / density / d
     gravity = stokes * 18 * mu / ((ratio - 1) * density * d**2)
     edge, height = 20 * h, 5 * d
     case = {
         "domain": {"size": [edge, edge, height], "gravity": [0, 0, -gravity]},
         "fluid": {"density": density, "viscosity": mu},
-        "walls": [{"shape": "cylinder", "point": [0.5 * edge, 0.5 * edge, 0], "axis": [0, 0, 1], "diameter": d / share}],
+        "walls": [
+            {"shape": "cylinder", "point": [0.5 * edge, 0.5 * edge, 0], "axis": [0, 0, 1], "diameter": d / share}
+        ],
         "bodies": [{"diameter": d, "density": ratio * density, "centers": [[0.5 * edge, 0.5 * edge, 0.5 * height]]}],
         "resolution": {"cells_per_diameter": 8},
         "time": {"end": 100.0, "step": 0.07 * h**2 / (mu / density)},

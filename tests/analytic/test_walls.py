@@ -42,7 +42,7 @@ def _soft(friction):
 @pytest.mark.parametrize("law", [_soft(0.3), Hertz(1e7, 0.3, 0.5, 0.01, friction=0.3), HardSphere(0.5, 0.3)])
 @pytest.mark.parametrize("tangent", [0.5, 0.9, 1.2, 2.0])
 def test_a_sphere_rolls_down_a_slope_below_three_and_a_half_times_the_friction(law, tangent) -> None:
-    """Solid sphere: it rolls at 5/7 g sin(theta) where tan(theta) <= 3.5 mu, else slides, mu m g cos(theta) turning it."""
+    """It rolls at 5/7 g sin(theta) where tan(theta) <= 3.5 mu, else slides, and mu m g cos(theta) turns it."""
     if isinstance(law, HardSphere):
         law = HardSphere(0.5, 0.3, rest_speed=1e-3)
     angle, mu, until = np.arctan(tangent), 0.3, 0.1
@@ -80,7 +80,8 @@ def test_a_tilted_plane_is_a_face_of_the_box_seen_at_an_angle() -> None:
     assert np.allclose(tilted.angular_velocity, flat.angular_velocity, rtol=1e-7)
     ours, theirs = contacts.take_episodes(), plain.take_episodes()
     assert len(ours) == len(theirs) > 0
-    assert set(ours["j"]) == {-8} and set(theirs["j"]) == {-5}
+    assert set(ours["j"]) == {-8}
+    assert set(theirs["j"]) == {-5}
 
 
 @pytest.mark.parametrize(("friction", "inertia"), [(0.0, 1.0), (1.0, 1.4)])
@@ -139,6 +140,8 @@ def test_a_plane_bounds_lubrication_and_gaps() -> None:
     point = np.array([1.0, 1.0, 1.0])
     body, contacts = _on(Plane(tuple(point), tuple(normal)), point + 0.8 * D * normal, _soft(0.0), (0.0, 0.0, -0.1))
     gap, neighbour = nearest_gaps(body, contacts.box)
-    assert gap[0] == pytest.approx(0.3 * D) and neighbour[0] == -8
+    assert gap[0] == pytest.approx(0.3 * D)
+    assert neighbour[0] == -8
     gap, rate = gaps_and_rates(body, contacts.box, np.array([[0, -8]], np.int32))
-    assert gap[0] == pytest.approx(0.3 * D) and rate[0] == pytest.approx(-0.1 * np.cos(0.3))
+    assert gap[0] == pytest.approx(0.3 * D)
+    assert rate[0] == pytest.approx(-0.1 * np.cos(0.3))

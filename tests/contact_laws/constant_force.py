@@ -28,7 +28,7 @@ def compiled_kernel() -> int:
     if compiler is None:
         pytest.skip("no C++ compiler here to compile the law with")
     library = Path(tempfile.mkdtemp()) / "constant_force.so"
-    flags = ["-std=c++20", "-O2", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC"]
+    flags = ["-std=c++20", "-O2", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", "-fopenmp"]
     subprocess.run([compiler, *flags, "-I", HEADERS, SOURCE, "-o", library], check=True)
     return ctypes.addressof(ctypes.c_char.in_dll(ctypes.CDLL(str(library)), "constant_force"))
 

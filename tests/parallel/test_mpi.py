@@ -87,3 +87,14 @@ def test_what_is_wrong_is_said_once(tmp_path) -> None:
     assert done.stderr.count("rdpm tune = 2 MPI ranks") == 1
     done = call(2, "info", folder=tmp_path)
     assert done.stdout.count("2 ranks") == 1
+
+
+def test_a_launcher_of_another_mpi_is_named(tmp_path) -> None:
+    """Each process would do the whole work."""
+    name = case_file(tmp_path, DRY)
+    done = subprocess.run(
+        [*RDPM, "run", name], cwd=tmp_path, capture_output=True, text=True, env=os.environ | {"OMPI_COMM_WORLD_SIZE": "4"}
+    )
+    assert done.returncode == 2
+    assert "run = 4 MPI ranks (OMPI_COMM_WORLD_SIZE): must be as many as MPI sees, 1" in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]

@@ -12,7 +12,8 @@ from rdpm.errors import CaseError, OutputError, OverlapError
 from rdpm.io.tables import read_table
 from rdpm.parallel.agreement import OnRoot, agree, guarding, on_root, together
 from rdpm.parallel.gather import Planes, rows_on_root, with_planes
-from rdpm.parallel.ranks import launched, launched_rank, single, world
+from rdpm.parallel.launcher import launched, launched_rank, single
+from rdpm.parallel.ranks import world
 from rdpm.parallel.threads import available_threads, processors
 from rdpm.runs.runner import run_case
 from rdpm.runs.stopping import Interrupted, StopRequest

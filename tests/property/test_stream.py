@@ -85,7 +85,9 @@ def test_a_body_that_comes_near_an_open_end_is_stopped(velocity: float, inflow: 
 @pytest.mark.parametrize("x", [0.0105, 0.0395])
 def test_a_body_that_starts_near_an_open_end_is_refused(x: float) -> None:
     case = rdpm.load_case(STREAM, [f"bodies[0].centers=[[{x}, 0.02, 0.02]]"])
-    with pytest.raises(CaseError, match=r"^bodies\[0\] = body 0 at x = .*: must be at least 3 cells, 0\.006 m, from both"):
+    with pytest.raises(
+        CaseError, match=r"^bodies\[0\] = body 0 at x = .*: must be at least 3 cells, 0\.006 m, from both"
+    ):
         plan(case)
 
 

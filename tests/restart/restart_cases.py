@@ -19,6 +19,8 @@ SOFT = {"restitution": 0.7, "contact_steps": 20, "friction": 0.3}
 BOX = {"size": [0.03, 0.03, 0.05]}
 QUIET = {"report": False, "fields_every": 0.02}
 
+TWO = {**GLASS, "centers": [[0.0105, 0.015, 0.0065], [0.0195, 0.0155, 0.0165]], "velocity": [0.3, 0.1, -0.1]}
+
 CASES = {
     # Side by side and closing, one spinning: the contact is oblique, under way from step 12 to 37, then with the floor.
     "wet contact": {
@@ -72,7 +74,7 @@ CASES = {
     },
     "hertz": {
         "domain": {"size": [0.03, 0.03, 0.05]},
-        "bodies": [{**GLASS, "centers": [[0.0105, 0.015, 0.0055], [0.0195, 0.0155, 0.0155]], "velocity": [0.3, 0.1, -0.1]}],
+        "bodies": [TWO],
         "contact": {"model": "hertz", "youngs_modulus": 1e5, "poisson_ratio": 0.3, "restitution": 0.7, "friction": 0.3,
                     "impact_speed": 0.3},
         "time": {"end": 0.06, "step": 0.0005},
@@ -80,14 +82,14 @@ CASES = {
     },
     "adaptive collision time": {
         "domain": {"size": [0.03, 0.03, 0.05]},
-        "bodies": [{**GLASS, "centers": [[0.0105, 0.015, 0.0055], [0.0195, 0.0155, 0.0155]], "velocity": [0.3, 0.1, -0.1]}],
+        "bodies": [TWO],
         "contact": SOFT | {"adaptive_collision_time": True},
         "time": {"end": 0.06, "step": 0.0005},
         "output": {**QUIET, "table_every": 0.004},
     },
     "repulsive": {
         "domain": {"size": [0.03, 0.03, 0.05]},
-        "bodies": [{**GLASS, "centers": [[0.0105, 0.015, 0.0065], [0.0195, 0.0155, 0.0165]], "velocity": [0.3, 0.1, -0.1]}],
+        "bodies": [TWO],
         "contact": {"model": "repulsive", "repulsion_stiffness": 0.2, "repulsion_range": 0.001},
         "time": {"end": 0.06, "step": 0.0005},
         "output": {**QUIET, "table_every": 0.004},

@@ -24,9 +24,9 @@ from rdpm.runs.runner import run_case
         ("periodic cloud", 25),
         ("dry heap", 250),
         ("walls", 20),
-        ("hertz", 22),
+        ("hertz", 34),
         ("repulsive", 15),
-        ("adaptive collision time", 15),
+        ("adaptive collision time", 27),
         ("stream", 12),
         ("stream", 40),
     ],
@@ -41,7 +41,8 @@ def test_restart_is_bit_identical(name, stop, tmp_path):
         assert np.abs(arrays["immersed/wall_force"]).max() > 0.0
     if name == "repulsive":  # a force that acts before the touch leaves no contact under way
         assert "contacts/history/xi" not in arrays
-    if name in ("wet contact", "dry heap", "hertz", "adaptive collision time"):  # the subject is a contact under way, its spring stretched
+    if name in ("wet contact", "dry heap", "hertz", "adaptive collision time"):
+        # The subject is a contact under way, its spring stretched.
         assert (arrays["contacts/state/phase"] == TOUCHING).any()
         assert np.abs(arrays["contacts/history/xi"]).max() > 0.0
     if name == "released body":

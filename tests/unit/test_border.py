@@ -95,19 +95,22 @@ def bytes_of(layout: dict[str, Any], rows: int, value: int = 0) -> np.ndarray:
 def substeps() -> Call:
     """One sub-step of two spheres that overlap and approach."""
     kernel, layouts = _core.soft_sphere_kernel(), _core.contact_layouts()
-    of_bodies = ("velocity", "angular_velocity", "rotation", "velocity_increment", "angular_increment")
+    of_bodies = ("velocity", "angular_velocity", "rotation", "force", "torque")
     impulses = ("impulse", "angular_impulse", "contact_impulse")
     parameters = np.ones((2, kernel.parameters["size"] // 8)).view(np.uint8)
     arguments = {
         "kernel": kernel, **spheres(), **{name: values(BODIES, 3) for name in of_bodies + impulses},
         "inverse_mass": np.ones(BODIES), "inverse_moment": np.ones(BODIES),
         "active": np.array([0, 1], np.int32), "pairs": np.array([[0, -1], [0, 1]], np.int32),
-        "parameters": parameters,
+        "rows": np.array([0, 1], np.int32), "bands": np.array([[0, 2]], np.int32), "even_bands": 1,
+        "kinds": np.array([0, 1], np.int32), "parameters": parameters,
         "lubrication": bytes_of(layouts["lubrication"], 2), "state": bytes_of(layouts["state"], 2),
         "history": bytes_of(kernel.history, 2), "finished": bytes_of(layouts["finished"], 4),
+        "body_room": values(30 * BODIES), "pair_room": np.ones(2, np.int32), "closing": 1.0, "threads": THREADS,
         "time": 0.0, "h": 1e-3, "overlap_limit": 0.5, "first": 0, "last": 1,
     }  # fmt: skip
-    written = ("position", "velocity", "angular_velocity", "rotation", *impulses, "state", "history", "finished")
+    written = ("position", "velocity", "angular_velocity", "rotation", *impulses, "state", "history", "finished",
+               "body_room", "pair_room")  # fmt: skip
     return Call(_core.run_substeps, arguments, written)
 
 
@@ -246,6 +249,34 @@ CALLS: dict[str, Callable[[], Call]] = {
         | {"inverse_mass": np.ones(BODIES), "dt": 1e-3, "margin": 0.1, "pairs": np.ones((4, 2), np.int32)},
         ("cell_start", "cell_order", "pairs"),
     ),
+    "list_demand": lambda: Call(
+        _core.list_demand,
+        {name: array for name, array in spheres().items() if name != "radius"}
+        | {name: values(BODIES, 3) for name in ("velocity", "force", "old")}
+        | {"inverse_mass": np.ones(BODIES), "dt": 1e-3},
+    ),
+    "list_pairs": lambda: Call(
+        _core.list_pairs,
+        spheres() | {"cell_start": np.ones(ROOM, np.int32), "inverse_mass": np.ones(BODIES), "range": 0.1}
+        | {name: np.ones(BODIES, np.int32) for name in ("order", "rank")}
+        | {"pairs": np.ones((4, 2), np.int32), "layer": np.ones(4, np.int32)},
+        ("cell_start", "order", "rank", "pairs", "layer"),
+    ),
+    "select_pairs": lambda: Call(
+        _core.select_pairs,
+        spheres() | {"range": 0.1, "order": np.array([0, 1], np.int32), "pairs": np.array([[0, -1], [0, 1]], np.int32)}
+        | {"layer": np.zeros(2, np.int32), "times": np.ones(2), "rows": np.ones(2, np.int32)}
+        | {"state": bytes_of(_core.contact_layouts()["state"], 2)}
+        | {name: np.ones((2, 2), np.int32) for name in ("local", "bands")}
+        | {name: np.ones(BODIES, np.int32) for name in ("active", "place")},
+        ("rows", "local", "bands", "active", "place"),
+    ),
+    "contacts_under_way": lambda: Call(
+        _core.contacts_under_way,
+        {"box": BOX.copy(), "pairs": np.array([[0, -1], [0, 1]], np.int32), "impact_speed": np.zeros(BODIES)}
+        | {"state": np.ones((2, _core.contact_layouts()["state"]["size"] // 8)).view(np.uint8)},
+        ("impact_speed",),
+    ),
     "nearest_surfaces": lambda: Call(
         _core.nearest_surfaces,
         spheres() | cells() | {"gap": values(BODIES), "neighbour": values(BODIES, dtype=np.int64)},
@@ -270,7 +301,7 @@ CALLS: dict[str, Callable[[], Call]] = {
         | {name: values(BODIES, 3) for name in ("velocity", "angular_velocity", "rotation", "force", "torque")}
         | {"orientation": values(BODIES, 4), "crossings": values(BODIES, 3, dtype=np.int64)}
         | {"inverse_mass": np.ones(BODIES), "inverse_moment": np.ones(BODIES)}
-        | {"is_active": np.zeros(BODIES, np.bool_), "dt": 1e-3},
+        | {"is_active": np.zeros(BODIES, np.bool_), "dt": 1e-3, "threads": THREADS},
         ("position", "velocity", "angular_velocity", "rotation", "orientation", "crossings"),
     ),
     "lubrication_resistance": lambda: Call(

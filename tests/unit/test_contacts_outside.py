@@ -89,7 +89,7 @@ MODELS = {
         "raise contact.youngs_modulus",
     ),
     "repulsive": (
-        {"model": "repulsive", "repulsion_stiffness": 0.3, "repulsion_range": 1e-3}, "repulsion range",
+        {"model": "repulsive", "repulsion_stiffness": 0.1, "repulsion_range": 1e-3}, "repulsion range",
         "raise contact.repulsion_stiffness, or contact.repulsion_range",
     ),
     "hard-sphere": ({"model": "hard-sphere", "restitution": 0.9}, "rest speed", None),

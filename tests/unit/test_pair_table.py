@@ -62,7 +62,7 @@ def test_the_law_is_asked_once_a_kind():
     table = table_of(bodies, ids, law, kinds)
     assert law.asked == [5]
     np.testing.assert_array_equal(table.parameters, LAW.parameters(table.pairs))
-    assert table.shortest == LAW.time_scale(table.pairs).min()
+    np.testing.assert_array_equal(table.times, LAW.time_scale(table.pairs))
     table_of(bodies, ids[::7], law, kinds)
     assert law.asked == [5]
     bodies.motion[0] = PRESCRIBED  # two kinds more: it with a light, with a heavy sphere
@@ -87,14 +87,13 @@ def test_history_follows_its_pair_into_another_table():
     one.state["phase"][1:], one.state["overlap"][1:] = TOUCHING, [1e-3, 2e-3]
     one.history["xi"][1:] = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]
     history = History(4, LAW.driver.history)
-    history.keep(one)
-    assert history.ids.tolist() == [[0, 1], [2, 3]]
+    history.restore(one.ids[[1, 2]], one.state[1:], one.history[1:])
+    assert len(history) == 2
     assert history.largest_overlap == 2e-3
-    other = table_of(bodies, [[0, 1], [0, 2]])
-    assert history.carry_to(other).tolist() == [False, True]
-    assert other.state["phase"].tolist() == [TOUCHING, APART]
-    assert other.history["xi"].tolist() == [[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]]
-    # Another history finds nothing of it.
-    assert History(4, LAW.driver.history).carry_to(other).size == 0
-    assert not other.state["phase"].any()
-    assert not other.history["xi"].any()
+    other = table_of(bodies, [[0, 2], [0, 1]])  # in any order
+    lost, states = history.carry_to(other)
+    assert lost.tolist() == [[2, 3]]
+    assert states["overlap"].tolist() == [2e-3]
+    assert history.rows()[0].tolist() == [[0, 1]]
+    assert other.state["phase"].tolist() == [APART, TOUCHING]
+    assert other.history["xi"].tolist() == [[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]]

@@ -72,7 +72,7 @@ WRONG = [
         "dkt",
         'z = "wall"',
         'z = "wal"',
-        ':10: domain.boundary.z = "wal": must be "periodic" or "wall" or "free-slip".',
+        ':10: domain.boundary.z = "wal": must be "periodic" or "wall" or "free-slip" or "inflow-outflow".',
     ),
     (
         "dkt",
@@ -323,7 +323,8 @@ DRY = {
     [
         (
             "contact={max_overlap=0.2, impact_speed=1}",
-            "contact.max_overlap = 0.2: must be below overlap_limit = 0.2",
+            'contact.max_overlap = 0.2: must be at most 0.05, a fraction of the diameter (a contact that deep is no '
+            'sphere\'s). For 0.2 % write 0.002, or "0.2 %".',
         ),
         ("time.step=auto", 'time.step = "auto": must be a time in a case without [fluid]'),
         (

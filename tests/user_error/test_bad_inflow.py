@@ -11,13 +11,21 @@ VELOCITY = 'velocity = "0.1 m/s" '
 
 WRONG = [
     (BOUNDARY, "", ":11: domain.inflow: must be left out where no boundary is"),
-    (BOUNDARY, BOUNDARY.replace("free-slip", "inflow-outflow"), ':8: domain.boundary.y = "inflow-outflow": must be "infl'),
+    (
+        BOUNDARY,
+        BOUNDARY.replace("free-slip", "inflow-outflow"),
+        ':8: domain.boundary.y = "inflow-outflow": must be "infl',
+    ),
     ("[domain.inflow]", "[domain.inflow_]", ":11: domain.inflow_: unknown key. Did you mean"),
     (VELOCITY, "velocity = 0 #", ":12: domain.inflow.velocity = 0: must not be 0 (nothing would enter)."),
     (VELOCITY, 'velocity = "3 m" #', ':12: domain.inflow.velocity = "3 m": must be a velocity'),
     (VELOCITY, "#", ":11: domain.inflow.velocity: is missing."),
     (VELOCITY, "velocity = [0.1, 0, 0] #", ":12: domain.inflow.velocity = "),
-    ('"uniform"', '"parabolic"', ':13: domain.inflow.profile = "parabolic": must not be parabolic without no-slip walls'),
+    (
+        '"uniform"',
+        '"parabolic"',
+        ':13: domain.inflow.profile = "parabolic": must not be parabolic without no-slip walls',
+    ),
     ('"uniform"', '"flat"', ':13: domain.inflow.profile = "flat": must be "uniform" or "parabolic"'),
     ('"uniform"', "[]", ":13: domain.inflow.profile: must have rows of one length"),
     ('"uniform"', "[[1, 2], [1]]", ":13: domain.inflow.profile: must have rows of one length"),
@@ -27,7 +35,11 @@ WRONG = [
     ('start_up = "0.1 s"', 'start_up = "-1 s"', ':14: domain.inflow.start_up = "-1 s": must not be negative.'),
     ("[fluid]", "[fluid]\nbody_force = [1, 0, 0]", ":17: fluid.body_force: must have no x component along the inflow"),
     ("[fluid]", "[fluid]\npressure_gradient = [1, 0, 0]", ":17: fluid.pressure_gradient: must have no x component"),
-    ("[fluid]", "[fluid]\nzero_mean_flow = true", ":17: fluid.zero_mean_flow = true: must not be true where a boundary"),
+    (
+        "[fluid]",
+        "[fluid]\nzero_mean_flow = true",
+        ":17: fluid.zero_mean_flow = true: must not be true where a boundary",
+    ),
     (BOUNDARY, BOUNDARY.replace("outflow", "outlet"), ':8: domain.boundary.x = "inflow-outlet": must be "periodic" or'),
 ]
 
@@ -57,6 +69,12 @@ def test_only_a_fluid_flows_in():
     }
     with pytest.raises(CaseError, match=r"^domain\.inflow: must be left out in a case without \[fluid\]"):
         load_case(case)
+
+
+def test_walls_within_the_box_are_refused():
+    wall = {"shape": "plane", "point": [0, 0, 0.002], "normal": [0, 0, 1]}
+    with pytest.raises(CaseError, match=r"^walls: must be left out with domain\.inflow .*Use the boundaries beside"):
+        load_case("stream").replace({"walls": [wall]})
 
 
 @pytest.mark.parametrize(

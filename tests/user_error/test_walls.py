@@ -31,7 +31,10 @@ def case(wall, model="soft-sphere", boundary=None, wet=False):
         (case(TUBE | {"normal": [0, 0, 1]}), 'walls[0].normal = [0.0, 0.0, 1.0]: belongs to shape = "plane"'),
         (case({"shape": "plane", "point": [0, 0, 0]}), 'walls[0].normal: is missing for shape = "plane"'),
         (case(PLANE | {"normal": [0, 0, 0]}), "walls[0].normal = [0.0, 0.0, 0.0]: must not be zero"),
-        (case(PLANE | {"velocity": [0, 0, 1]}), "walls[0].velocity = [0.0, 0.0, 1.0]: must have no part along the normal"),
+        (
+            case(PLANE | {"velocity": [0, 0, 1]}),
+            "walls[0].velocity = [0.0, 0.0, 1.0]: must have no part along the normal",
+        ),
         (case(TUBE | {"velocity": [1, 0, 0]}), "walls[0].velocity = [1.0, 0.0, 0.0]: must be along the axis"),
         (case(PLANE, boundary={"x": "periodic"}), "must be at right angles to the periodic direction x"),
         (case(TUBE | {"axis": [0, 1, 2]}, boundary={"z": "periodic"}), "must be along, or at right angles to,"),

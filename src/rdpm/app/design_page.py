@@ -133,9 +133,10 @@ class DesignPage:
         self.exported = html("")
 
     def _tabs(self, names: dict[str, str], show: Callable[[str], None]) -> None:
-        with ui.tabs(on_change=lambda e: show(str(e.value))).props("dense align=left no-caps") as tabs:
+        with ui.tabs().props("dense align=left no-caps") as tabs:
             made = [ui.tab(name, text) for name, text in names.items()]
         tabs.set_value(made[0])
+        tabs.on_value_change(lambda e: show(str(e.value)))
 
     def _chosen(self, name: str, value: Any) -> None:
         self.state[name] = str(value or "")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
@@ -12,25 +12,27 @@ __all__ = ["bench"]
 
 
 def bench(*names: str, json: Annotated[bool, Parameter(negative="")] = False) -> None:
-    """Measure the full coupled step and the memory bandwidth in one run.
+    """Measure the full coupled step, or dry contacts in a bed of spheres, and the memory bandwidth in one run.
 
     Parameters
     ----------
     names : str
-        Cases to measure; all when left out.
+        Cases to measure; those of the coupled step when left out. ``dry-bed``: 64,000 spheres, beside LAMMPS where it
+        is installed; ``dry-bed-million``: a million.
     json : bool
         Print JSON.
     """
-    from rdpm.parallel.ranks import single
+    from rdpm.parallel.launcher import single
 
     single("rdpm bench")
     from rdpm.cli.progress import say
     from rdpm.studies.bench import CASES
     from rdpm.studies.bench import bench as run
+    from rdpm.studies.dry_bed import BEDS
 
     for name in names:
-        if name not in CASES:
-            raise CaseError("bench", name, f"must be one of {', '.join(CASES)}")
+        if name not in CASES and name not in BEDS:
+            raise CaseError("bench", name, f"must be one of {', '.join([*CASES, *BEDS])}")
     found = run(names, say)
     if json:
         import json as writer
@@ -41,8 +43,28 @@ def bench(*names: str, json: Annotated[bool, Parameter(negative="")] = False) ->
         f"triad {found['triad_GB_s']:.1f} GB/s on {found['threads']} threads, "
         f"{found['triad_one_thread_GB_s']:.1f} GB/s on one"
     )
+    if found["cases"]:
+        _print_cases(found["cases"])
+    for bed in found["beds"]:
+        _print_bed(bed)
+
+
+def _print_bed(bed: dict[str, Any]) -> None:
+    print(
+        f"{bed['name']}\n{'program':8} {'bodies':>8} {'threads':>7} {'sub-steps/contact':>17} {'us/body/sub-step':>16} "
+        f"{'processor':>9} {'us/body/contact':>15} {'error of e':>10}"
+    )
+    for row in bed["rows"]:
+        print(
+            f"{row['program']:8} {row['bodies']:>8} {row['threads']:>7} {row['substeps_per_contact']:>17} "
+            f"{row['us']:>16.4f} {row['cpu_us']:>9.4f} {row['us_per_contact_time']:>15.2f} "
+            f"{row['restitution_error']:>10.1e}"
+        )
+
+
+def _print_cases(cases: list[dict[str, Any]]) -> None:
     print(f"{'case':20} {'cells':>15} {'threads':>7} {'ns/cell':>8} {'B/cell':>7} {'memory':>7}  parts [ns/cell]")
-    for case in found["cases"]:
+    for case in cases:
         parts = ", ".join(f"{name} {ns:.1f}" for name, ns in case["parts"].items() if ns >= 0.05)
         marker = ""
         if "us_per_marker_pass" in case:

@@ -84,5 +84,5 @@ def show_plan(plan: Any, console: Console) -> None:
         console.print(table)
         for row in rows:
             if row.severity:
-                console.print(said(row.severity, row.note), style=_COLOURS.get(row.verdict))
+                console.print(said(row.severity, row.note), style=_COLOURS.get(row.verdict), soft_wrap=True)
         console.print()

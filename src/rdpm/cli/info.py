@@ -8,7 +8,7 @@ import os
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
-from rdpm.parallel.ranks import launched_rank
+from rdpm.parallel.launcher import launched_rank
 
 __all__ = ["info"]
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from rdpm.errors import RdpmError
-from rdpm.parallel.ranks import launched_rank
+from rdpm.parallel.launcher import launched_rank
 
 __all__ = ["app", "main"]
 

@@ -16,12 +16,11 @@ from cyclopts import Parameter
 from rdpm.cli.progress import Reporter, say
 from rdpm.cli.source import case_source
 from rdpm.errors import CaseError, CheckpointError
-from rdpm.parallel.agreement import guarding, on_root
-from rdpm.parallel.ranks import Ranks, world
 from rdpm.parallel.threads import available_threads, checked_threads
 
 if TYPE_CHECKING:
     from rdpm.config.case import Case
+    from rdpm.parallel.ranks import Ranks
     from rdpm.results.summary import Summary
 
 __all__ = ["run"]
@@ -73,6 +72,9 @@ def run(
     GuardError
         The numbers could no longer be trusted.
     """
+    from rdpm.parallel.agreement import guarding, on_root
+    from rdpm.parallel.ranks import world
+
     ranks = world()
     with guarding(ranks):
         _keep_streams()

@@ -95,7 +95,7 @@ def tune(
     from rdpm.cli.progress import say
     from rdpm.cli.source import case_source
     from rdpm.config.load import case_name
-    from rdpm.parallel.ranks import single
+    from rdpm.parallel.launcher import single
     from rdpm.studies.tuning.options import TuneOptions
     from rdpm.studies.tuning.tune import tune as run
 

@@ -42,7 +42,7 @@ def validate(
         0, or 1 when a case is outside its band.
     """
     import rdpm
-    from rdpm.parallel.ranks import single
+    from rdpm.parallel.launcher import single
 
     single("rdpm validate")
     from rdpm.cli.progress import say

@@ -212,6 +212,13 @@ class Case(Model):
             )
 
     def _check_walls(self) -> None:
+        if self.walls and self.domain.inflow is not None:
+            raise RuleError(
+                "must be left out with domain.inflow",
+                "a wall within the box would reach through the open ends, where it cannot act on the fluid",
+                "Use the boundaries beside the stream as walls, or fixed bodies.",
+                at=("walls",),
+            )
         for n, wall in enumerate(self.walls):
             try:
                 wall.check_periods(self.domain.is_periodic)

@@ -11,8 +11,9 @@ from rdpm.config.fields import Model
 from rdpm.config.rule import RuleError, listed
 from rdpm.conventions import OVERLAP_WARNING
 
-__all__ = ["DEFAULT_CONTACT", "Contact", "keys_of_other_models"]
+__all__ = ["DEEPEST_DESIGN", "DEFAULT_CONTACT", "Contact", "keys_of_other_models"]
 
+DEEPEST_DESIGN = 0.05  # a spring that gives more is hardly meant: per cent for a fraction
 DEFAULT_CONTACT = {"contact_steps": 8.0, "restitution": 0.9}
 
 _RESTITUTION = 0.9  # of most hard spheres within 10 %, where only the overlap is designed
@@ -112,6 +113,8 @@ class Contact(Model):
         Whether the lubrication that the grid does not resolve is added; with a fluid only.
     lubrication_roughness
         Gap over radius below which the lubrication force no longer grows.
+    lubrication_in_separation
+        Whether lubrication also holds back surfaces that part; false for a film that breaks instead of pulling.
     overlap_warning
         Overlap over the smaller diameter above which a design or a run warns: deeper contacts disturb the flow.
     overlap_limit
@@ -151,6 +154,7 @@ class Contact(Model):
     repulsion_stiffness: Annotated[float | None, Quantity("N", gt=0.0)] = None
     lubrication: Annotated[StrictBool, LeftOut("true with a fluid")] = True
     lubrication_roughness: Annotated[float, Quantity("", gt=0.0, le=0.1)] = 1e-3
+    lubrication_in_separation: StrictBool = True
     overlap_warning: Annotated[float, Quantity("", gt=0.0, le=0.05)] = OVERLAP_WARNING
     overlap_limit: Annotated[float, Quantity("", gt=0.0, le=0.5)] = 0.2
     substeps: Annotated[int | None, Whole(1, 100_000), LeftOut("chosen from the contact time")] = None
@@ -207,6 +211,14 @@ class Contact(Model):
                 "or max_overlap and impact_speed",
                 found,
                 _cure(frozenset(given)),
+            )
+        if self.max_overlap is not None and self.max_overlap > DEEPEST_DESIGN:
+            raise RuleError(
+                f"must be at most {DEEPEST_DESIGN:g}, a fraction of the diameter",
+                "a contact that deep is no sphere's",
+                f'For {self.max_overlap:g} % write {0.01 * self.max_overlap:g}, or "{self.max_overlap:g} %".',
+                value=self.max_overlap,
+                at=("max_overlap",),
             )
         if self.adaptive_collision_time and frozenset(given) != {"contact_steps", "restitution"}:
             raise RuleError(

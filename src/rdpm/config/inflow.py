@@ -37,8 +37,6 @@ class _Profile(Declared):
         )
         if not found[0] or any(len(row) != len(found[0]) for row in found):
             raise RuleError("must have rows of one length, with one number at least", cure="Fill the rows up.")
-        if not any(any(row) for row in found):
-            raise RuleError("must not be 0 everywhere", "nothing would enter", "Leave it out for a uniform inflow.")
         return found
 
     def describe(self) -> dict[str, Any]:
@@ -71,6 +69,10 @@ class Inflow(Model):
     def _flows(self) -> Inflow:
         if self.velocity == 0.0:
             raise RuleError("must not be 0", "nothing would enter", "Use a wall instead.", at=("velocity",))
+        if not isinstance(self.profile, str) and not any(map(any, self.profile)):
+            raise RuleError(
+                "must not be 0 everywhere", "nothing would enter", "Leave it out for a uniform inflow.", at=("profile",)
+            )
         return self
 
 

@@ -13,6 +13,7 @@ from rdpm.contacts.hertz import Hertz
 from rdpm.contacts.law import ContactLaw
 from rdpm.contacts.lubrication import Lubrication
 from rdpm.contacts.neighbours import nearest_gaps
+from rdpm.contacts.python_law import PairMotion, PythonLaw
 from rdpm.contacts.repulsive import Repulsive
 from rdpm.contacts.rows import PAIR
 from rdpm.contacts.soft_sphere import SoftSphere
@@ -29,6 +30,8 @@ __all__ = [
     "HardSphere",
     "Hertz",
     "Lubrication",
+    "PairMotion",
+    "PythonLaw",
     "Repulsive",
     "SoftSphere",
     "SubstepDriver",

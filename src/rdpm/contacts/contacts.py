@@ -18,9 +18,10 @@ from .episodes import EPISODE, Episodes
 from .history import History
 from .law import ContactLaw
 from .lubrication import Lubrication
+from .neighbour_list import NeighbourList, Selection
 from .neighbours import Neighbours, gaps_and_rates
 from .pair_table import KindParameters, PairTable, pairs_of
-from .rows import TOUCHING, Rows
+from .rows import STATE, TOUCHING, Rows, as_bytes
 
 __all__ = ["Contacts"]
 
@@ -45,6 +46,8 @@ class Contacts:
         Of the smaller diameter, 0 < limit < 1; more raises :class:`~rdpm.errors.OverlapError`.
     viscosity : float, optional, [Pa s]
         For the Stokes numbers of the episodes; that of ``lubrication`` when left out.
+    threads : int
+        Results do not depend on it.
 
     Raises
     ------
@@ -80,6 +83,7 @@ class Contacts:
         substeps_per_contact: int = 100,
         overlap_limit: float = 0.2,
         viscosity: float | None = None,
+        threads: int = 1,
     ) -> None:
         if not substeps_per_contact >= 10:
             raise CaseError("contact.substeps", substeps_per_contact, "must be at least 10",
@@ -88,8 +92,8 @@ class Contacts:
             rule = "must be in 0 < limit < 1"
             raise CaseError("contact.overlap_limit", overlap_limit, rule, cure="Correct this value.")
         self.bodies, self.box, self.law, self.lubrication = bodies, box, law, lubrication
-        self.substeps_per_contact, self.overlap_limit = substeps_per_contact, overlap_limit
-        self._neighbours, self._close = Neighbours(bodies, box), Neighbours(bodies, box)
+        self.substeps_per_contact, self.overlap_limit, self.threads = substeps_per_contact, overlap_limit, threads
+        self._list, self._close = NeighbourList(bodies, box), Neighbours(bodies, box)
         self._lubrication_range = 0.0
         if lubrication and len(bodies):
             self._lubrication_range = lubrication.largest_gap(0.5 * bodies.diameter, bool(box.walls))
@@ -97,7 +101,7 @@ class Contacts:
             viscosity = lubrication.viscosity
         self._episodes, self._kinds = Episodes(bodies, box, viscosity), KindParameters(bodies, law, len(box.walls))
         self._history = History(len(bodies), law.driver.history, box.partners)
-        self._table = self._table_of(np.empty((0, 2), np.int32))
+        self._table = self._table_of(self._list.ids)
 
     def advance(
         self,
@@ -139,48 +143,60 @@ class Contacts:
         inverse_moment = free / (b.moment_of_inertia if moment is None else moment)
         # A spring under load may throw its bodies apart.
         margin = max(self._lubrication_range, self.law.interaction_range) + 2.0 * self._history.largest_overlap
-        ids = self._neighbours.pairs(force, inverse_mass, dt, margin)
+        reach, is_new = self._list.update(force, inverse_mass, dt, margin)
+        if is_new:
+            self._table = self._table_of(self._list.ids)
         impulses = np.zeros((3, n, 3))
         step = ContactStep(impulses[0], impulses[1], impulses[2], np.zeros(n))
         rotation, is_active = np.zeros((n, 3)), np.zeros(n, np.bool_)
-        if len(ids) or len(self._history):
-            if not self._table.is_of(ids, b):
-                self._table = self._table_of(ids)
-            is_active[ids[ids >= 0]] = True
-            active = np.flatnonzero(is_active).astype(np.int32)
-            self._resolve(step, ContactTask(
-                b, self.box, self._table, self._neighbours.radius, active, rotation, force, torque, inverse_mass,
-                inverse_moment, time, dt, self.substeps_per_contact, self.overlap_limit,
-            ))  # fmt: skip
+        chosen = self._select(step, reach, is_new, dt)
+        is_active[chosen.active] = True
+        self._resolve(step, ContactTask(
+            b, self.box, self._table, chosen, self._list.radius, rotation, force, torque, inverse_mass, inverse_moment,
+            time, dt, self.substeps_per_contact, self.overlap_limit, self.threads,
+        ))  # fmt: skip
         _core.end_step(
             self.box.table, b.position, b.velocity, b.angular_velocity, b.orientation, b.crossings, rotation,
-            force, torque, inverse_mass, inverse_moment, is_active, dt,
+            force, torque, inverse_mass, inverse_moment, is_active, dt, self.threads if n >= 10_000 else 1,
         )  # fmt: skip
         return step
 
     def _table_of(self, ids: NDArray[np.int32]) -> PairTable:
         return PairTable(ids, self.bodies, self.box, self.law, self._kinds, self.lubrication)
 
+    def _record(self, step: ContactStep, dt: float, ids: NDArray[np.int32], finished: Rows) -> None:
+        """Keep finished contacts; note their speeds at touch in `step`."""
+        self._episodes.add(ids, finished, dt)
+        for body in ids.T:
+            is_body = body >= 0
+            np.fmax.at(step.impact_speed, body[is_body], finished["impact_speed"][is_body])
+
+    def _select(self, step: ContactStep, reach: float, is_new: bool, dt: float) -> Selection:
+        """Pairs of the table that may meet; the contacts of those that cannot are over."""
+        table = self._table
+        if is_new:
+            lost = self._history.carry_to(table)
+            if len(lost[0]):
+                self._record(step, dt, *lost)
+        chosen = self._list.select(reach, table.times, table.state)
+        if len(chosen.lost):
+            lost_rows = np.sort(chosen.lost)
+            self._record(step, dt, table.ids[lost_rows], table.state[lost_rows])
+            table.state[lost_rows], table.history[lost_rows] = np.zeros((), STATE), np.zeros((), table.history.dtype)
+        return chosen
+
     def _resolve(self, step: ContactStep, task: ContactTask) -> None:
         """Fill `step`; move the bodies of the task, carry and keep the history."""
 
-        def touched(ids: NDArray[np.int32], rows: Rows) -> None:
-            for body in ids.T:
-                is_body = body >= 0
-                np.fmax.at(step.impact_speed, body[is_body], rows["impact_speed"][is_body])
-
         def record(ids: NDArray[np.int32], finished: Rows) -> None:
-            self._episodes.add(ids, finished, task.dt)
-            touched(ids, finished)
+            self._record(step, task.dt, ids, finished)
 
-        is_lost = self._history.carry_to(task.table)
-        if is_lost.any():
-            record(self._history.ids[is_lost], self._history.states[is_lost])
-        step.pairs = len(task.table)
+        step.pairs = len(task.selection)
         self.law.driver.run(task, step, record)
-        self._history.keep(task.table)
-        touched(self._history.ids, self._history.states)
-        step.touching = len(self._history)
+        step.touching, overlap = _core.contacts_under_way(
+            self.box.table, task.table.ids, as_bytes(task.table.state), step.impact_speed
+        )
+        self._history.keep(step.touching, overlap)
 
     def close_pairs(self, gap: float) -> NDArray[np.int32]:
         """Pairs of surfaces nearer than this [m], of whatever motion, (K, 2); a negative second id is a face."""
@@ -222,12 +238,15 @@ class Contacts:
         time, dt : float, [s]
             When, and the time step.
         """
-        states = self._history.states.copy()
+        ids, states, _ = self._history.rows()
+        states = states.copy()
         touching = states["phase"] == TOUCHING
         states["end"][touching] = time
         states["rebound_speed"][touching] = np.nan
-        self._episodes.add(self._history.ids, states, dt)
+        self._episodes.add(ids, states, dt)
         self._history = History(len(self.bodies), self.law.driver.history, self.box.partners)
+        self._table = self._table_of(self._list.ids)
+        self._history.carry_to(self._table)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """All that the next step needs beside the bodies, as copies.
@@ -236,13 +255,14 @@ class Contacts:
         -------
         dict of str to ndarray
             ``pairs`` (K, 2); ``state/...`` and ``history/...``, a field of the rows each, (K, ...);
-            ``episodes/...``, a field of :data:`rdpm.contacts.EPISODE` each, (E,).
+            ``episodes/...``, a field of :data:`rdpm.contacts.EPISODE` each, (E,); ``neighbours/...``: what the list
+            of pairs, and so their order, was made from.
         """
-        history, rows = self._history, self._episodes.rows
-        result: dict[str, NDArray[Any]] = {"pairs": history.ids.copy()}
-        for name, array in (("state", history.states), ("history", history.histories), ("episodes", rows)):
+        ids, states, histories = self._history.rows()
+        result: dict[str, NDArray[Any]] = {"pairs": ids.copy()}
+        for name, array in (("state", states), ("history", histories), ("episodes", self._episodes.rows)):
             result |= {f"{name}/{field}": array[field].copy() for field in array.dtype.names or ()}
-        return result
+        return result | {f"neighbours/{name}": array for name, array in self._list.state().items()}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Take over what :meth:`state` gave; the next step is then bit-identical.
@@ -262,10 +282,13 @@ class Contacts:
                 result[field] = state[f"{name}/{field}"]
             return result
 
+        ids = np.array(state["pairs"], np.int32).reshape(-1, 2)
         history = self._history = History(len(self.bodies), self.law.driver.history, self.box.partners)
+        dtype = self.law.driver.history
         remembered = {key.removeprefix("history/") for key in state if key.startswith("history/")}
-        if remembered == set(history.histories.dtype.names or ()):
-            history.ids = np.array(state["pairs"], np.int32).reshape(-1, 2)
-            history.states = rows("state", history.states.dtype, len(history.ids))
-            history.histories = rows("history", history.histories.dtype, len(history.ids))
+        if remembered == set(dtype.names or ()):
+            history.restore(ids, rows("state", STATE, len(ids)), rows("history", dtype, len(ids)))
+        self._list.restore({name: state[f"neighbours/{name}"] for name in self._list.state()})
+        self._table = self._table_of(self._list.ids)
+        history.carry_to(self._table)
         self._episodes.rows = rows("episodes", EPISODE, len(state["episodes/i"]))

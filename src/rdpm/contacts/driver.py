@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
+from .neighbour_list import Selection
 from .pair_table import PairTable
 from .rows import Rows
 
@@ -75,9 +76,9 @@ class ContactTask:
     box : Box
     table : PairTable
         Its states and histories are moved on.
+    selection : Selection
+        Pairs of the table that may meet, and the bodies that have one.
     radius : ndarray, (N,), [m]
-    active : ndarray of int32, (A,)
-        Bodies that have a pair.
     rotation : ndarray, (N, 3), [rad]
         Rotation vector of each body over the step, filled for the active ones.
     force, torque : ndarray, (N, 3), [N], [N m]
@@ -89,13 +90,14 @@ class ContactTask:
         Sub-steps to the table's shortest time scale.
     overlap_limit : float, [-]
         Of the smaller diameter.
+    threads : int
     """
 
     bodies: Bodies
     box: Box
     table: PairTable
+    selection: Selection
     radius: Floats
-    active: NDArray[np.int32]
     rotation: Floats
     force: Floats
     torque: Floats
@@ -105,6 +107,7 @@ class ContactTask:
     dt: float
     substeps_per_contact: int
     overlap_limit: float
+    threads: int
 
 
 class Driver(Protocol):

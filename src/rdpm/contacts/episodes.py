@@ -28,8 +28,9 @@ EPISODE = np.dtype(
 )  # fmt: skip
 r"""A contact.
 
-``i``, ``j`` (-1..-6: a face of the box; -8 and below: a wall within it), ``kind`` ("sphere-sphere" or "sphere-wall"); ``start_s`` of the
-touch; ``duration_s`` from the touch until the force vanished for the last time before the surfaces parted;
+``i``, ``j`` (-1..-6: a face of the box; -8 and below: a wall within it), ``kind`` ("sphere-sphere" or "sphere-wall");
+``start_s`` of the touch; ``duration_s`` from the touch until the force vanished for the last time before the
+surfaces parted;
 ``steps``, that over the time step; ``max_overlap_fraction`` of the smaller diameter; normal speeds of
 approach at the touch and of rebound at the end; ``restitution``, their ratio (nan where the bodies did not
 meet with a speed, or were still in touch); ``stokes_number``
@@ -63,7 +64,18 @@ class Episodes:
 
     def __init__(self, bodies: Bodies, box: Box, viscosity: float | None) -> None:
         self._bodies, self._box, self._viscosity = bodies, box, viscosity
-        self.rows: Rows = np.empty(0, EPISODE)
+        self._parts: list[Rows] = []
+
+    @property
+    def rows(self) -> Rows:
+        """All that are recorded, dtype :data:`EPISODE`."""
+        if len(self._parts) != 1:
+            self._parts = [np.concatenate([np.empty(0, EPISODE), *self._parts])]
+        return self._parts[0]
+
+    @rows.setter
+    def rows(self, rows: Rows) -> None:
+        self._parts = [rows]
 
     def add(self, ids: NDArray[np.int32], finished: Rows, dt: float) -> None:
         """Record contacts.
@@ -88,7 +100,7 @@ class Episodes:
         met = impact > 0.0
         rows["restitution"] = np.where(met, rebound, np.nan) / np.where(met, impact, 1.0)
         rows["stokes_number"] = self._stokes_per_speed(ids) * np.maximum(impact, 0.0)
-        self.rows = np.concatenate([self.rows, rows])
+        self._parts.append(rows)
 
     def _stokes_per_speed(self, ids: NDArray[np.int32]) -> Floats:
         """m_ij/(6 pi mu a_r^2) of each pair, [s/m]; nan when dry."""

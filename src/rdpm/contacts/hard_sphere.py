@@ -15,6 +15,7 @@ from rdpm.errors import CaseError, OverlapError
 
 from .driver import ContactStep, ContactTask
 from .episodes import FINISHED
+from .pair_table import PairTable
 from .rows import Rows, as_bytes, check_layout
 from .substeps import pair_names
 
@@ -60,9 +61,10 @@ class EventDriver:
 
     def run(self, task: ContactTask, step: ContactStep, record: Callable[[NDArray[np.int32], Rows], None]) -> None:
         """Change bodies, states and histories of the task, and `step`; see :class:`rdpm.contacts.driver.Driver`."""
-        b, table = task.bodies, task.table
-        if not len(table):
+        b, rows = task.bodies, task.selection.rows
+        if not len(rows):
             return
+        table = task.table.part(rows)
         acceleration = task.inverse_mass[:, None] * task.force
         angular_acceleration = task.inverse_moment[:, None] * task.torque
         fastest = np.abs(b.velocity).max() + task.dt * np.abs(acceleration).max()
@@ -77,7 +79,7 @@ class EventDriver:
                 reached, count, collisions, rested, capped = _core.run_events(
                     task.box.table, b.position, b.velocity, b.angular_velocity, task.rotation, acceleration,
                     angular_acceleration, task.inverse_mass, task.inverse_moment, task.radius, step.impulse,
-                    step.angular_impulse, step.contact_impulse, task.active, table.ids, as_bytes(table.parameters),
+                    step.angular_impulse, step.contact_impulse, task.selection.active, table.ids, as_bytes(table.parameters),
                     as_bytes(table.lubrication), as_bytes(table.state), as_bytes(table.history), as_bytes(finished),
                     events, task.time + start, end - start, self.rest_speed, quiet, self.most_events, is_new,
                 )  # fmt: skip
@@ -87,11 +89,11 @@ class EventDriver:
                 step.rested += rested
                 step.capped += capped
                 start, is_new = end if reached >= end - start else start + reached, False
-        self._part(task, step)
+        task.table.state[rows], task.table.history[rows] = table.state, table.history
+        self._part(task, table, step)
 
-    def _part(self, task: ContactTask, step: ContactStep) -> None:
+    def _part(self, task: ContactTask, table: PairTable, step: ContactStep) -> None:
         """Leave no overlap; stop where a pair cannot part."""
-        table = task.table
         step.min_gap, overlap, pair = _core.separate(
             task.box.table, task.bodies.position, task.inverse_mass, task.radius, table.ids
         )

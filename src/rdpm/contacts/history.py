@@ -11,7 +11,7 @@ from .rows import APART, STATE, Rows
 __all__ = ["History"]
 
 class History:
-    """Rows of the pairs in contact, sorted by (i, j).
+    """Rows of the pairs in contact.
 
     Parameters
     ----------
@@ -21,28 +21,33 @@ class History:
         Of what the law remembers.
     partners : int
         `rdpm.grid.Box.partners`: -partners is the lowest id of a wall.
-
-    Attributes
-    ----------
-    ids : ndarray of int32, (K, 2)
-    states : ndarray of :data:`STATE`, (K,)
-    histories : ndarray of `dtype`, (K,)
     """
 
     def __init__(self, bodies: int, dtype: np.dtype[np.void], partners: int = 7) -> None:
         self._bodies, self._partners = bodies, partners
-        self.ids: NDArray[np.int32] = np.empty((0, 2), np.int32)
-        self.states: Rows = np.empty(0, STATE)
-        self.histories: Rows = np.empty(0, dtype)
-        self._table: PairTable | None = None  # whose rows are these
+        self._rows: tuple[NDArray[np.int32], Rows, Rows] = (
+            np.empty((0, 2), np.int32), np.empty(0, STATE), np.empty(0, dtype)
+        )  # fmt: skip
+        self._table: PairTable | None = None  # that holds the rows
+        self.count, self.largest_overlap = 0, 0.0
 
     def __len__(self) -> int:
-        return len(self.ids)
+        return self.count
 
-    @property
-    def largest_overlap(self) -> float:
-        """Of the pairs in contact, [m]; 0 where there is none."""
-        return max(0.0, float(self.states["overlap"].max())) if len(self) else 0.0
+    def rows(self) -> tuple[NDArray[np.int32], Rows, Rows]:
+        """Ids (K, 2), states and what the law remembers, (K,) each, sorted by (i, j)."""
+        if self._table is not None:
+            table = self._table
+            touching = np.flatnonzero(table.state["phase"] != APART)
+            touching = touching[np.argsort(self._keys(table.ids[touching]))]
+            self._rows = table.ids[touching], table.state[touching], table.history[touching]
+        return self._rows
+
+    def restore(self, ids: NDArray[np.int32], states: Rows, histories: Rows) -> None:
+        """Remember these; sorted by (i, j)."""
+        self._rows, self._table = (ids, states, histories), None
+        self.count = len(ids)
+        self.largest_overlap = max(0.0, float(states["overlap"].max(initial=0.0)))
 
     def _keys(self, ids: NDArray[np.int32]) -> NDArray[np.int64]:
         result: NDArray[np.int64] = (
@@ -50,33 +55,33 @@ class History:
         )
         return result
 
-    def carry_to(self, table: PairTable) -> NDArray[np.bool_]:
-        """Fill the states and histories of a table; those of pairs that are not in contact become zero.
+    def carry_to(self, table: PairTable) -> tuple[NDArray[np.int32], Rows]:
+        """Fill the states and histories of a table.
 
         Parameters
         ----------
         table : PairTable
+            New: nothing of it is in contact.
 
         Returns
         -------
-        ndarray of bool, (K,)
-            Remembered pairs that the table does not have.
+        ids : ndarray of int32, (L, 2)
+        states : ndarray of :data:`STATE`, (L,)
+            Of remembered pairs that the table does not have.
         """
-        if table is self._table:
-            return np.zeros(len(self), np.bool_)
-        table.state, table.history = (np.zeros(len(table), rows.dtype) for rows in (table.state, table.history))
-        if not len(self):
-            return np.zeros(0, np.bool_)
-        have, want = self._keys(self.ids), self._keys(table.ids)
-        at = np.searchsorted(want, have)
-        found = at < len(want)
-        found[found] = want[at[found]] == have[found]
-        table.state[at[found]] = self.states[found]
-        table.history[at[found]] = self.histories[found]
-        return ~found
-
-    def keep(self, table: PairTable) -> None:
-        """Replace what is remembered by the pairs of a table that are in contact."""
-        touching = table.state["phase"] != APART
-        self.ids, self.states, self.histories = table.ids[touching], table.state[touching], table.history[touching]
+        ids, states, histories = self.rows()
         self._table = table
+        if not len(ids):
+            return ids, states
+        have, want = self._keys(ids), self._keys(table.ids)
+        order = np.argsort(want)
+        at = np.searchsorted(want, have, sorter=order)
+        found = at < len(want)
+        at[found] = order[at[found]]
+        found[found] = want[at[found]] == have[found]
+        table.state[at[found]], table.history[at[found]] = states[found], histories[found]
+        return ids[~found], states[~found]
+
+    def keep(self, count: int, largest_overlap: float) -> None:
+        """Take note of how many pairs of the table are in contact, and of their overlap [m]."""
+        self.count, self.largest_overlap = count, largest_overlap

@@ -17,10 +17,11 @@ __all__ = ["LUBRICATION", "Lubrication"]
 Floats = NDArray[np.float64]
 
 LUBRICATION = np.dtype(
-    [(name, np.float64) for name in ("inverse", "log", "least_gap", "cutoff_gap", "touching_gap")]
+    [(name, np.float64) for name in ("inverse", "log", "least_gap", "cutoff_gap", "touching_gap", "separation")]
 )
 """Coefficients of 1/gap [N s] and ln(1/gap) [N s/m] of a pair, the gap below which the resistance is constant, the
-cut-off, and the gap at which the grid resolves touching surfaces [m]; zeros: no lubrication."""
+cut-off, and the gap at which the grid resolves touching surfaces [m], the fraction that acts where the surfaces part;
+zeros: no lubrication."""
 check_layout(LUBRICATION, _core.contact_layouts()["lubrication"], "lubrication")
 
 
@@ -51,6 +52,8 @@ class Lubrication:
     pair_radius : float, optional, [m]
         Reduced radius :math:`a_r` that these two belong to; for others they go as :math:`a_r^{2/3}`. The same for all
         when left out. > 0.
+    separation : float, [-]
+        Fraction of the resistance where the surfaces part, 0 to 1: 0 for a film that breaks instead of pulling.
 
     Raises
     ------
@@ -79,6 +82,7 @@ class Lubrication:
     pair_cutoff_gap: float | None = None
     pair_touching_gap: float | None = None
     pair_radius: float | None = None
+    separation: float = 1.0
 
     def __post_init__(self) -> None:
         for name, upper in (("viscosity", np.inf), ("cutoff_gap", np.inf), ("roughness", 0.1)):
@@ -88,6 +92,9 @@ class Lubrication:
                 rule = "must be a finite number above 0" + bound
                 raise CaseError(f"lubrication.{name}", value, rule, cure="Correct this value.")
 
+        if not 0.0 <= self.separation <= 1.0:
+            rule = "must be at least 0 and at most 1"
+            raise CaseError("lubrication.separation", self.separation, rule, cure="Correct this value.")
         for name, cut in (("touching_gap", self.cutoff_gap), ("pair_touching_gap", self._pair[0])):
             value = getattr(self, name)
             if value is not None and not 0.0 < value <= cut:
@@ -141,14 +148,16 @@ class Lubrication:
         result["log"] = factor * radius_i * s * (t * t + 7.0 * t * s + s * s) / 5.0
         result["least_gap"] = self.roughness * np.minimum(radius_i, radius_j)
         result["cutoff_gap"], result["touching_gap"] = self._gaps(radius_i, radius_j)
+        result["separation"] = self.separation
         return result
 
     def rows_of_inner_walls(self, radius: Floats, curvature: Floats) -> Rows:
         r"""Coefficients and gaps of spheres and walls within the box.
 
         The squeezed film between a sphere and a cylinder has two radii, :math:`R_1=1/(1/a+\kappa)` across the axis and
-        :math:`R_2=a` along it, and :math:`12\pi\mu\sqrt{R_1R_2}/(1/R_1+1/R_2)` instead of :math:`6\pi\mu a^2` [3]_; the logarithmic term is that of a plane. Such a wall is held by markers, as a body is: the grid resolves
-        it as it resolves two bodies.
+        :math:`R_2=a` along it, and :math:`12\pi\mu\sqrt{R_1R_2}/(1/R_1+1/R_2)` instead of
+        :math:`6\pi\mu a^2` [3]_; the logarithmic term is that of a plane. Such a wall is held by markers, as a body is:
+        the grid resolves it as it resolves two bodies.
 
         Parameters
         ----------

@@ -84,7 +84,8 @@ def nearest_gaps(bodies: Bodies, box: Box) -> tuple[Floats, NDArray[np.int64]]:
     gap : ndarray, (N,), [m]
         Negative in contact; inf where there is no other surface.
     neighbour : ndarray of int64, (N,)
-        Whose surface: a body, a face of the box (-1..-6), a wall within it (-8 and below), or `rdpm.conventions.NO_NEIGHBOUR`.
+        Whose surface: a body, a face of the box (-1..-6), a wall within it (-8 and below), or
+        `rdpm.conventions.NO_NEIGHBOUR`.
 
     Examples
     --------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from math import inf
 from typing import Protocol
 
@@ -13,7 +14,7 @@ from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
 from .lubrication import LUBRICATION, Lubrication
-from .rows import PAIR, STATE, Rows
+from .rows import PAIR, STATE, Rows, zero_rows
 
 __all__ = ["KindParameters", "PairTable", "pairs_of"]
 
@@ -101,8 +102,10 @@ class KindParameters:
         self._rows: Rows = np.empty(0, self._law.driver.parameters)
         self._times: NDArray[np.float64] = np.empty(0)
 
-    def of(self, ids: NDArray[np.int32], pairs: Rows) -> tuple[Rows, float]:
-        """Parameters of M >= 1 pairs, (M,), and their smallest time scale [s]."""
+    def of(
+        self, ids: NDArray[np.int32], pairs: Rows
+    ) -> tuple[Rows, NDArray[np.int32], NDArray[np.float64]]:
+        """Parameters by kind, (K,); the kind of each of M >= 1 pairs; their time scales, (M,) [s]."""
         keys = self._keys_of(ids, pairs)
         if len(self._keys) > 1000 + 4 * len(ids):
             self._forget()
@@ -117,7 +120,7 @@ class KindParameters:
             self._rows = np.append(self._rows, self._law.parameters(examples))[order]
             self._times = np.append(self._times, self._law.time_scale(examples))[order]
             at = np.searchsorted(self._keys, keys)
-        return self._rows[at], float(self._times[at].min())
+        return self._rows, at.astype(np.int32), self._times[at]
 
     def _keys_of(self, ids: NDArray[np.int32], pairs: Rows) -> NDArray[np.int64]:
         i, j = ids.T
@@ -137,7 +140,7 @@ class PairTable:
     Parameters
     ----------
     ids : ndarray of int32, (M, 2)
-        Sorted by (i, j); j < 0 for walls.
+        i and j > i; j < 0 for walls.
     bodies : Bodies
     box : Box
     law : ContactLaw
@@ -147,15 +150,18 @@ class PairTable:
     Attributes
     ----------
     pairs : ndarray of :data:`rdpm.contacts.PAIR`, (M,)
-    parameters : ndarray of ``law.driver.parameters``, (M,)
+    kinds : ndarray of ``law.driver.parameters``, (K,)
+        Parameters of each kind of pair.
+    kind : ndarray of int32, (M,)
+        Of each pair.
     lubrication : ndarray of :data:`rdpm.contacts.lubrication.LUBRICATION`, (M,)
         (0,) without lubrication.
     state : ndarray of :data:`rdpm.contacts.rows.STATE`, (M,)
         Contact under way; apart until :meth:`rdpm.contacts.history.History.carry_to` fills it.
     history : ndarray of ``law.driver.history``, (M,)
         What the law remembers of it.
-    shortest : float, [s]
-        Smallest time scale of the pairs; inf without pairs.
+    times : ndarray, (M,), [s]
+        Time scale of each pair.
     """
 
     def __init__(
@@ -167,17 +173,18 @@ class PairTable:
         kinds: KindParameters,
         lubrication: Lubrication | None,
     ) -> None:
-        self.ids, self._motion = ids.copy(), bodies.motion.copy()
+        self.ids = ids.copy()
         self.pairs = pairs_of(bodies, box, ids)
-        self.state, self.history = np.zeros(len(ids), STATE), np.zeros(len(ids), law.driver.history)
-        self.parameters, self.shortest = np.zeros(0, law.driver.parameters), inf
+        self.state, self.history = zero_rows(len(ids), STATE), np.zeros(len(ids), law.driver.history)
+        self.kinds, self.kind, self.times = np.zeros(0, law.driver.parameters), np.zeros(0, np.int32), np.zeros(0)
         self.lubrication = np.zeros(0, LUBRICATION)
         if not len(ids):
             return
-        self.parameters, self.shortest = kinds.of(ids, self.pairs)
+        self.kinds, self.kind, self.times = kinds.of(ids, self.pairs)
         if lubrication:
             radius, (i, j) = 0.5 * bodies.diameter, ids.T
-            self.lubrication = lubrication.rows(radius[i], np.where(j < 0, inf, radius[np.where(j < 0, i, j)]))
+            other = np.where(j < 0, inf, radius[np.where(j < 0, i, j)])
+            self.lubrication = lubrication.rows(np.minimum(radius[i], other), np.maximum(radius[i], other))
             for n, wall in enumerate(box.walls):
                 mine = j == FIRST_WALL - n
                 own = radius[i[mine]]
@@ -187,6 +194,16 @@ class PairTable:
     def __len__(self) -> int:
         return len(self.ids)
 
-    def is_of(self, ids: NDArray[np.int32], bodies: Bodies) -> bool:
-        """Whether these are still the pairs, and the same bodies move freely."""
-        return np.array_equal(ids, self.ids) and np.array_equal(bodies.motion, self._motion)
+    @property
+    def parameters(self) -> Rows:
+        """Parameters of each pair, (M,)."""
+        return self.kinds[self.kind]
+
+    def part(self, rows: NDArray[np.int32]) -> PairTable:
+        """Some of the pairs, as copies."""
+        result = copy(self)
+        for name in ("ids", "pairs", "state", "history", "kind", "times"):
+            setattr(result, name, getattr(self, name)[rows])
+        if len(self.lubrication):
+            result.lubrication = self.lubrication[rows]
+        return result

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rdpm import _core
 
-__all__ = ["APART", "ENDED", "PAIR", "STATE", "TOUCHING", "Rows", "as_bytes", "check_layout"]
+__all__ = ["APART", "ENDED", "PAIR", "STATE", "TOUCHING", "Rows", "as_bytes", "check_layout", "zero_rows"]
 
 Rows = NDArray[np.void]
 
@@ -57,6 +57,14 @@ def as_bytes(rows: Rows) -> NDArray[np.uint8]:
     """View (M,) rows as the (M, itemsize) bytes that the kernels take."""
     size = rows.dtype.itemsize
     return rows.view(np.uint8).reshape(len(rows), size) if size else np.empty((len(rows), 0), np.uint8)
+
+
+def zero_rows(count: int, dtype: np.dtype[np.void]) -> Rows:
+    """Rows of zeros that begin at a line of the cache, so that one of 64 bytes lies in one."""
+    room = np.zeros(count * dtype.itemsize + 64, np.uint8)
+    start = -room.ctypes.data % 64
+    rows: Rows = room[start : start + count * dtype.itemsize].view(dtype)
+    return rows
 
 
 PAIR = np.dtype(

@@ -18,13 +18,19 @@ from .rows import Rows, as_bytes, check_layout
 
 __all__ = ["SubstepDriver"]
 
+#: Room of a body while its pairs act (``contacts/body_rows.hpp``).
+BODY_COLUMNS = 30
+
+#: Fewer pairs than that are done before a second thread is awake.
+PARALLEL_PAIRS = 2000
+
 
 class SubstepDriver:
     """Resolves contacts that last, of any law that has an impulse a sub-step.
 
-    Each sub-step drifts the bodies by half, adds what the non-contact load gives, visits the pairs in order of their
-    ids (odd sub-steps backwards), applies each impulse at once, and drifts the other half. Touch and end of a contact
-    are located inside the sub-step.
+    Each sub-step drifts the bodies by half, adds what the non-contact load gives, visits the pairs in the order of
+    their selection, even bands and then odd ones (odd sub-steps backwards), applies each impulse at once, and drifts
+    the other half. Touch and end of a contact are located inside the sub-step.
 
     Parameters
     ----------
@@ -58,22 +64,25 @@ class SubstepDriver:
 
     def run(self, task: ContactTask, step: ContactStep, record: Callable[[NDArray[np.int32], Rows], None]) -> None:
         """Change bodies, states and histories of the task, and `step`; see :class:`rdpm.contacts.driver.Driver`."""
-        b, table = task.bodies, task.table
-        if len(table):  # an even number: what the order of the pairs does cancels between two sub-steps
-            step.substeps = 2 * ceil(0.5 * task.substeps_per_contact * task.dt / table.shortest)
+        b, table, chosen = task.bodies, task.table, task.selection
+        if not len(chosen):
+            return
+        # An even number: what the order of the pairs does cancels between two sub-steps.
+        step.substeps = 2 * ceil(0.5 * task.substeps_per_contact * task.dt / chosen.shortest)
         h = task.dt / max(step.substeps, 1)
-        velocity_increment = h * task.inverse_mass[:, None] * task.force
-        angular_increment = h * task.inverse_moment[:, None] * task.torque
-        finished = np.empty(max(64, 2 * len(table)), FINISHED)
+        finished = np.empty(max(64, 2 * len(chosen)), FINISHED)
+        room = np.empty(BODY_COLUMNS * len(chosen.active)), np.empty(len(chosen), np.int32)
+        threads = task.threads if len(chosen) >= PARALLEL_PAIRS else 1
         at = 0
         while at < step.substeps:
             at, count, failed, min_gap, max_overlap = _core.run_substeps(
                 self._kernel, task.box.table, b.position, b.velocity, b.angular_velocity, task.rotation,
-                velocity_increment, angular_increment, task.inverse_mass, task.inverse_moment, task.radius,
+                task.force, task.torque, task.inverse_mass, task.inverse_moment, task.radius,
                 step.impulse, step.angular_impulse, step.contact_impulse,
-                task.active, table.ids, as_bytes(table.parameters), as_bytes(table.lubrication),
-                as_bytes(table.state), as_bytes(table.history), as_bytes(finished), task.time, h,
-                task.overlap_limit, at, step.substeps,
+                chosen.active, chosen.local, chosen.rows, chosen.bands, chosen.even_bands,
+                table.kind, as_bytes(table.kinds), as_bytes(table.lubrication), as_bytes(table.state),
+                as_bytes(table.history), as_bytes(finished), *room, chosen.reach / task.dt, task.time, h,
+                task.overlap_limit, at, step.substeps, threads,
             )  # fmt: skip
             step.min_gap = min(step.min_gap, min_gap)
             step.max_overlap_fraction = max(step.max_overlap_fraction, max_overlap)

@@ -2,8 +2,8 @@ r"""Adaptive collision time model: a Hertz-type contact whose duration and resti
 
 .. math:: m\ddot\delta + d\dot\delta + k\delta^{3/2} = 0,\quad \delta(0)=0,\ \dot\delta(0)=v.
 
-With the time :math:`t_*=(m^2/(k^2v))^{1/5}` and the length :math:`vt_*` it is :math:`x''+2\lambda x'+x^{3/2}=0`, x'(0) = 1:
-restitution and :math:`T_c/t_*` depend on :math:`\lambda` alone.
+With the time :math:`t_*=(m^2/(k^2v))^{1/5}` and the length :math:`vt_*` it is
+:math:`x''+2\lambda x'+x^{3/2}=0`, x'(0) = 1; restitution and :math:`T_c/t_*` depend on :math:`\lambda` alone.
 """
 
 from __future__ import annotations

@@ -128,7 +128,8 @@ def hard_sphere_design(
     if impact.speed is None:
         raise CaseError("impact_speed", None, "must be given", "overlap and lag go with it",
                         "Add impact_speed, or the fluid.")  # fmt: skip
-    m, radius, size, speed = float(pair.mass or 0.0), float(pair.radius or 0.0), float(pair.diameter or 0.0), impact.speed
+    m, radius, size = (float(value or 0.0) for value in (pair.mass, pair.radius, pair.diameter))
+    speed = impact.speed
     time = float(positive("contact_steps", contact_steps)) * float(positive("time_step", time_step))
     error = finite_contact_error(time, restitution, size, speed, ending)
     wet = None if viscosity is None else float(stokes_number(m, radius, speed, viscosity))

@@ -86,7 +86,8 @@ def _render(run: Run, path: Path) -> None:
     for wall in run.walls:
         points, triangles = wall_surface(wall, run.box)
         if len(triangles):
-            plotter.add_mesh(pyvista.PolyData.from_regular_faces(points, triangles.astype(int)), color="#999999", opacity=0.25)
+            surface = pyvista.PolyData.from_regular_faces(points, triangles.astype(int))
+            plotter.add_mesh(surface, color="#999999", opacity=0.25)
     if count <= _FEW:
         moments = np.unique(np.linspace(0, len(position) - 1, 6).astype(int))
         for n in range(count):

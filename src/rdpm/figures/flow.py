@@ -170,9 +170,11 @@ def _round_speed(top: float) -> float:
 
 def _name_axes(panels: list[Axes], across: int, plane: Plane, unit: str, follows: bool) -> None:
     """Labels at the outer panels; numbers at the left of each where the panels show different heights."""
+    from matplotlib.ticker import MaxNLocator
+
     for n, axes in enumerate(panels):
-        axes.locator_params(axis="x", nbins=3)
-        axes.locator_params(axis="y", nbins=5)
+        axes.xaxis.set_major_locator(MaxNLocator(2 if across > 2 else 4))
+        axes.yaxis.set_major_locator(MaxNLocator(5))
         if n % across == 0:
             axes.set_ylabel(f"{'xyz'[plane.up]} [{unit}]")
         elif not follows:

@@ -46,6 +46,8 @@ def trajectory_chart(
     -------
     matplotlib.figure.Figure
     """
+    from matplotlib.ticker import MaxNLocator
+
     size = np.asarray(box, np.float64)
     factor, unit = length_unit(size)
     box, repeat = factor * size, factor * np.asarray(period, np.float64)
@@ -63,11 +65,9 @@ def trajectory_chart(
             _view(axes, position, d, box, repeat, view)
             axes.set(xlim=(0.0, box[view.across]), ylim=(low, high), xlabel=f"{'xyz'[view.across]} [{unit}]")
             axes.set_aspect("equal", anchor="N")
-            axes.locator_params(axis="x", nbins=max(2, min(5, round(6 * box[view.across] / sum(widths)))))
+            axes.xaxis.set_major_locator(MaxNLocator(max(2, min(5, round(6 * box[view.across] / sum(widths))))))
         pair[0].set_ylabel(f"{'xyz'[plane.up]} [{unit}]")
         gravity_arrow(pair[0], gravity, plane)
-        if 1 < tracks.count <= FEW:
-            figure.legend(loc="outside lower center", ncols=min(3, tracks.count))
     return figure
 
 
@@ -92,6 +92,10 @@ def wrapped(path: Floats, period: Floats) -> Floats:
     return np.insert(path - period * image, breaks, np.nan, axis=0)
 
 
+def _inside(points: Floats, period: Floats) -> Floats:
+    return points - period * np.floor(points / np.where(period > 0.0, period, np.inf))
+
+
 def _view(axes: Axes, position: Floats, diameter: Floats, box: Floats, period: Floats, view: Plane) -> None:
     from matplotlib.collections import EllipseCollection
 
@@ -99,8 +103,11 @@ def _view(axes: Axes, position: Floats, diameter: Floats, box: Floats, period: F
     count = position.shape[1]
     is_few = count <= FEW
     for n in range(count):
-        look: Any = {"color": PALETTE[n], "lw": 1.0, "label": f"sphere {n}"} if is_few else {"color": ACCENT, "lw": 0.3}
+        look: Any = {"color": PALETTE[n], "lw": 1.0} if is_few else {"color": ACCENT, "lw": 0.3}
         axes.plot(*wrapped(position[:, n][:, axis], period[axis]).T, **look)
+    if 1 < count <= FEW:   # each is numbered where it ends
+        for n, (x, y) in enumerate(_inside(position[-1][:, axis], period[axis])):
+            axes.text(x, y, str(n), color="white", fontsize=6.5, weight="bold", ha="center", va="center", zorder=6)
     moments = np.unique(np.linspace(0, len(position) - 1, _MOMENTS if is_few else 2).astype(int))
     for number, moment in enumerate(moments):
         strength = (0.2, 0.75)[number] if not is_few else 0.2 + 0.6 * (number + 1) / len(moments)

@@ -77,7 +77,8 @@ def draw_walls(axes: Axes, plane: Plane, box: ArrayLike, factor: float) -> None:
     across, up = (np.linspace(0.0, size[axis], 401) for axis in (plane.across, plane.up))
     beyond = plane.beyond_walls(across, up)
     if beyond.max() > 0.0:
-        axes.contourf(factor * across, factor * up, beyond, levels=[0.0, beyond.max()], colors=[WALL_COLOUR], zorder=1.5)
+        levels = [0.0, beyond.max()]
+        axes.contourf(factor * across, factor * up, beyond, levels=levels, colors=[WALL_COLOUR], zorder=1.5)
         axes.contour(factor * across, factor * up, beyond, levels=[0.0], colors=["#444444"], linewidths=0.8, zorder=1.6)
 
 

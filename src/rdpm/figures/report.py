@@ -14,6 +14,7 @@ from rdpm.figures.bodies_3d import finish_rendering, start_rendering
 from rdpm.figures.contact_chart import contact_chart
 from rdpm.figures.contact_tables import contact_parts, number_text, range_text
 from rdpm.figures.flow import Slices, flow_chart, load_slices
+from rdpm.figures.marks import FEW
 from rdpm.figures.paths import trajectory_chart
 from rdpm.figures.plane import Plane, viewing_plane
 from rdpm.figures.style import case_text, save
@@ -114,7 +115,8 @@ def _charts(run: Run, plane: Plane, slices: Slices | None) -> Iterator[tuple[str
         chart = run_charts.velocity_chart(tracks, run.gravity, run.phases)
         yield "settling_velocity", "Velocity along gravity." if run.gravity.any() else "Velocity along -z.", chart
         chart = trajectory_chart(tracks, run.diameter, run.box, run.period, plane, run.gravity)
-        yield "trajectory", "Spheres to scale at a few times, the latest the strongest.", chart
+        numbered = " and numbered" if 1 < tracks.count <= FEW else ""
+        yield "trajectory", f"Spheres to scale at a few times, the latest the strongest{numbered}.", chart
         beyond = " Continued beyond the box where it is periodic." if run.periodic.any() else ""
         yield "positions", f"Centres.{beyond}", run_charts.positions_chart(tracks, run.box, run.period)
         if tracks.count == 2 or np.isfinite(tracks.gap).any():

@@ -50,11 +50,13 @@ def _plane(point: ArrayLike, normal: Floats, size: Floats) -> tuple[Floats, Tria
     corners = size * np.array([[i >> d & 1 for d in range(3)] for i in range(8)])
     height = (corners - np.asarray(point)) @ normal
     near = 1e-12 * size.max()
+    edges = [(i, j) for i in range(8) for j in (i ^ 1, i ^ 2, i ^ 4) if i < j]
     found = [corners[n] for n in range(8) if abs(height[n]) <= near]
-    for i in range(8):
-        for j in (i ^ 1, i ^ 2, i ^ 4):
-            if i < j and min(height[i], height[j]) < -near and max(height[i], height[j]) > near:
-                found.append(corners[i] + height[i] / (height[i] - height[j]) * (corners[j] - corners[i]))
+    found += [
+        corners[i] + height[i] / (height[i] - height[j]) * (corners[j] - corners[i])
+        for i, j in edges
+        if min(height[i], height[j]) < -near and max(height[i], height[j]) > near
+    ]
     if len(found) < 3:
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
     points = np.array(found)

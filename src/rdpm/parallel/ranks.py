@@ -12,21 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rdpm.errors import CaseError
+from rdpm.parallel.launcher import launched
 
-__all__ = ["ALONE", "Alone", "MpiRanks", "Ranks", "launched", "launched_rank", "single", "world"]
+__all__ = ["ALONE", "Alone", "MpiRanks", "Ranks", "world"]
 
 Array = NDArray[Any]
 Floats = NDArray[np.float64]
-
-# Set for each process by the launchers; SLURM's batch script itself has no step.
-_LAUNCHERS = (
-    "OMPI_COMM_WORLD_SIZE",
-    "PMI_SIZE",
-    "MV2_COMM_WORLD_SIZE",
-    "MPI_LOCALNRANKS",
-    "SLURM_STEP_NUM_TASKS",
-)
-
 
 class Ranks(Protocol):
     """What the ranks of a run can say to each other; every rank must make the same calls in the same order.
@@ -175,36 +166,6 @@ class MpiRanks:
         self.sent_bytes += sent
 
 
-def launched() -> tuple[int, str]:
-    """How many ranks a launcher started, and the variable that says so; 1 and nothing without one.
-
-    Examples
-    --------
-    >>> launched()
-    (1, '')
-    """
-    for name in _LAUNCHERS:
-        count = os.environ.get(name, "")
-        if count.isdigit() and int(count) > 1:
-            return int(count), name
-    return 1, ""
-
-
-def launched_rank() -> int:
-    """Which rank the launcher says this is, before MPI is asked; 0 without one.
-
-    Examples
-    --------
-    >>> launched_rank()
-    0
-    """
-    if launched()[0] == 1:
-        return 0
-    names = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK", "PMIX_RANK", "SLURM_PROCID")
-    found = [os.environ[name] for name in names if os.environ.get(name, "").isdigit()]
-    return int(found[0]) if found else 0
-
-
 @lru_cache(maxsize=1)
 def world() -> Ranks:
     """Return the ranks of this run: those that a launcher started, or one.
@@ -241,27 +202,3 @@ def world() -> Ranks:
             "Use that MPI's own mpiexec; with srun choose the interface by --mpi=pmi2 or --mpi=pmix.",
         )  # fmt: skip
     return MpiRanks(MPI.COMM_WORLD)
-
-
-def single(what: str) -> None:
-    """Refuse several ranks, for a command that is one process.
-
-    Parameters
-    ----------
-    what : str
-        The command.
-
-    Raises
-    ------
-    CaseError
-
-    Examples
-    --------
-    >>> single("rdpm tune")
-    """
-    count, name = launched()
-    if count > 1:
-        raise CaseError(
-            what, f"{count} MPI ranks ({name})", "must be one process", "only rdpm run shares its work among ranks",
-            "Start it without mpiexec or srun; use --threads.",
-        )  # fmt: skip

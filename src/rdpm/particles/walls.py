@@ -121,9 +121,8 @@ class WallMarkers:
         size = np.array(grid.box.size)
         found = [wall_points(wall, size, h, calibration.marker_retraction * h) for wall in grid.box.walls]
         self.position = np.concatenate([np.empty((0, 3)), *(points for points, _ in found)])
-        self.velocity = np.concatenate(
-            [np.empty((0, 3)), *(_velocity(wall, points) for wall, (points, _) in zip(grid.box.walls, found, strict=True))]
-        )
+        moves = (_velocity(wall, points) for wall, (points, _) in zip(grid.box.walls, found, strict=True))
+        self.velocity = np.concatenate([np.empty((0, 3)), *moves])
         full = np.concatenate([np.empty(0), *(np.full(len(points), area * h) for points, area in found)])
         order = np.argsort(self.position[:, 2], kind="stable")  # from bottom to top
         self.position, self.velocity = self.position[order].copy(), self.velocity[order].copy()

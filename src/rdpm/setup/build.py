@@ -146,7 +146,7 @@ def _system(made: Plan, threads: int, calibration: Calibration, ranks: Ranks) ->
     box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities), walls, inflow_of(case))
     gravity = np.array(domain.gravity)
     if fluid is None or made.cells is None:
-        contacts = _contacts(made, bodies, box, None, calibration)
+        contacts = _contacts(made, bodies, box, None, calibration, threads)
         return System(bodies, contacts, prescription, gravity, ranks=ranks)
     grid = Grid(box, made.cells, threads, slab_of(made, bodies, ranks))
     flow = Fluid(grid, fluid.density, fluid.nu, made.step.is_explicit, ranks)
@@ -154,8 +154,9 @@ def _system(made: Plan, threads: int, calibration: Calibration, ranks: Ranks) ->
     lubrication = None
     if case.contact.lubrication and len(bodies):
         h = float(np.cbrt(np.prod(grid.spacing)))
-        lubrication = lubrication_correction(fluid.mu, h, case.contact.lubrication_roughness, calibration)
-    contacts = _contacts(made, bodies, box, lubrication, calibration)
+        separation = 1.0 if case.contact.lubrication_in_separation else 0.0
+        lubrication = lubrication_correction(fluid.mu, h, case.contact.lubrication_roughness, calibration, separation)
+    contacts = _contacts(made, bodies, box, lubrication, calibration, threads)
     immersed: ImmersedBodies | SharedBodies | None = None
     if len(bodies) or box.walls:
         kind = ImmersedBodies if ranks.size == 1 else SharedBodies
@@ -177,7 +178,11 @@ def _bodies(case: Case) -> tuple[Bodies, Prescription]:
 
 
 def lubrication_correction(
-    viscosity: float, h: float, roughness: float = 1e-3, calibration: Calibration = CALIBRATION
+    viscosity: float,
+    h: float,
+    roughness: float = 1e-3,
+    calibration: Calibration = CALIBRATION,
+    separation: float = 1.0,
 ) -> Lubrication:
     """What the grid does not resolve of lubrication.
 
@@ -191,15 +196,22 @@ def lubrication_correction(
         Smallest gap over the smaller radius.
     calibration : Calibration
         Activation and resolved gaps in cells.
+    separation : float, [-]
+        Fraction of it where surfaces part.
     """
     c = calibration
     wall = c.wall_activation_gap * h, roughness, c.wall_resolved_gap * h
     pair = c.pair_activation_gap * h, c.pair_resolved_gap * h, c.pair_reference_radius * h
-    return Lubrication(viscosity, *wall, *pair)
+    return Lubrication(viscosity, *wall, *pair, separation)
 
 
 def _contacts(
-    made: Plan, bodies: Bodies, box: Box, lubrication: Lubrication | None, calibration: Calibration
+    made: Plan,
+    bodies: Bodies,
+    box: Box,
+    lubrication: Lubrication | None,
+    calibration: Calibration,
+    threads: int,
 ) -> Contacts:
     contact, fluid = made.case.contact, made.case.fluid
     substeps = calibration.substeps_per_contact
@@ -207,7 +219,7 @@ def _contacts(
     if contact.substeps is not None and times:
         substeps = max(10, math.ceil(contact.substeps * min(times) / made.step.dt))
     viscosity = fluid.mu if fluid else None
-    return Contacts(bodies, box, made.law, lubrication, substeps, contact.overlap_limit, viscosity)
+    return Contacts(bodies, box, made.law, lubrication, substeps, contact.overlap_limit, viscosity, threads)
 
 
 def _motions(given: tuple[Any, ...]) -> dict[int, Motion]:

@@ -140,7 +140,9 @@ def _soft_sphere_limit(case: Case, kinds: list[Kind], fall: float) -> float:
 
 def _tangential_ratio(case: Case) -> float:
     c = case.contact
-    return float(design.ratio_from_poisson(c.poisson_ratio or 0.0)) if c.tangential_ratio is None else c.tangential_ratio
+    if c.tangential_ratio is None:
+        return float(design.ratio_from_poisson(c.poisson_ratio or 0.0))
+    return c.tangential_ratio
 
 
 def _soft_sphere_law(case: Case, dt: float) -> SoftSphere:

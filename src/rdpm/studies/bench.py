@@ -12,6 +12,7 @@ from rdpm.config.load import load_case
 from rdpm.parallel.bandwidth import triad_bandwidth
 from rdpm.parallel.threads import available_threads
 from rdpm.setup import Simulation
+from rdpm.studies.dry_bed import BEDS, dry_bed
 
 __all__ = ["CASES", "bench", "measure"]
 
@@ -134,14 +135,14 @@ def bench(names: Iterable[str] = (), progress: Callable[[str], None] | None = No
     Parameters
     ----------
     names : iterable of str
-        Keys of `CASES`; all when empty.
+        Keys of `CASES`, or of `rdpm.studies.dry_bed.BEDS`; all `CASES` when empty.
     progress : callable, optional
         Gets a line before each.
 
     Returns
     -------
     dict
-        ``triad_GB_s``, ``threads``, ``cases``.
+        ``triad_GB_s``, ``threads``, ``cases``; ``beds``, as `rdpm.studies.dry_bed.dry_bed` gives them.
     """
     tell = progress or (lambda text: None)
     tell("memory bandwidth")
@@ -149,8 +150,11 @@ def bench(names: Iterable[str] = (), progress: Callable[[str], None] | None = No
     threads = available_threads()
     for n in sorted({1, threads}):
         bandwidth[n] = triad_bandwidth(n)
-    cases = []
-    for name in names or CASES:
+    cases, beds = [], []
+    for name in list(names) or CASES:
+        if name in BEDS:
+            beds.append(dry_bed(name, tell))
+            continue
         tell(name)
         cases.append(measure(name, bandwidth[CASES[name][1] or threads]))
     return {
@@ -158,4 +162,5 @@ def bench(names: Iterable[str] = (), progress: Callable[[str], None] | None = No
         "triad_one_thread_GB_s": 1e-9 * bandwidth[1],
         "threads": threads,
         "cases": cases,
+        "beds": beds,
     }

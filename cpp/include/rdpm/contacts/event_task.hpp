@@ -51,7 +51,12 @@ inline double closing_speed(const BodyArrays& b, const Partners& p, const double
 inline void slip_at(const BodyArrays& b, const Partners& p, const double* n, double lever_i, double lever_j,
                     double u, double* s) {
     double roll[3];
-    for (int d = 0; d < 3; ++d) roll[d] = lever_i * b.w[3 * p.i + d] + lever_j * p.wj[d];
+    const bool is_reversed = p.j >= 0 && points_up(n);
+    const double first = is_reversed ? lever_j : lever_i, last = is_reversed ? lever_i : lever_j;
+    for (int d = 0; d < 3; ++d) {
+        const double one = b.w[3 * p.i + d], other = p.wj[d];
+        roll[d] = multiply_add(first, is_reversed ? other : one, last * (is_reversed ? one : other));
+    }
     for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, f = (d + 2) % 3;
         s[d] = b.v[3 * p.i + d] - p.vj[d] - u * n[d] + roll[e] * n[f] - roll[f] * n[e];

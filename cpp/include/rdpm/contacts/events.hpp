@@ -160,8 +160,7 @@ class EventLoop {
         const Partners p = partners(k);
         const Geometry g = meet(p);
         const double u = closing(p, g.n), inverse_mass = p.inverse_mass_i + p.inverse_mass_j;
-        const double inverse_tangential = inverse_mass + g.lever_i * g.lever_i * p.inverse_moment_i +
-                                          g.lever_j * g.lever_j * p.inverse_moment_j;
+        const double inverse_tangential = inverse_tangential_mass(p, g, inverse_mass);
         double s[3];
         slip_at(b_, p, g.n, g.lever_i, g.lever_j, u, s);
         const CollisionImpulse j = collision_impulse(laws_[k], u, s, inverse_mass, inverse_tangential);
@@ -276,9 +275,7 @@ class EventLoop {
         for (int d = 0; d < 3; ++d) w.n[d] = g.n[d], w.force[d] = w.twist[d] = 0;
         w.lever_i = g.lever_i;
         w.lever_j = g.lever_j;
-        w.inverse_tangential = p.inverse_mass_i + p.inverse_mass_j +
-                               g.lever_i * g.lever_i * p.inverse_moment_i +
-                               g.lever_j * g.lever_j * p.inverse_moment_j;
+        w.inverse_tangential = inverse_tangential_mass(p, g, p.inverse_mass_i + p.inverse_mass_j);
     }
 
     // Velocities of both by impulses of a pair, recorded or not.

@@ -12,9 +12,10 @@ namespace rdpm::contacts {
 // cutoff_gap. The grid resolves touching surfaces as if they were touching_gap apart and, linearly in
 // between, those at cutoff_gap where they are. Constant below least_gap (the roughness); zero in overlap,
 // where the solids carry the load: the overlap of a softened contact is no squeeze flow, and would lose all
-// of a rebound in it. A row of zeros is a pair without lubrication.
+// of a rebound in it. `separation`: fraction of it where the surfaces part. A row of zeros is a pair without
+// lubrication.
 struct LubricationRow {
-    double inverse, log, least_gap, cutoff_gap, touching_gap;
+    double inverse, log, least_gap, cutoff_gap, touching_gap, separation;
 
     double resolved_gap(double gap) const { return touching_gap + gap * (1 - touching_gap / cutoff_gap); }
 
@@ -25,8 +26,13 @@ struct LubricationRow {
     }
 
     // Mean over a path of gaps: the impulse of a gap that is crossed in few sub-steps does not depend on
-    // where these fall.
+    // where these fall. half_path > 0: approaching.
     double mean_resistance(double gap, double half_path) const {
+        const double mean = mean_of_approach(gap, half_path);
+        return half_path < 0 ? separation * mean : mean;
+    }
+
+    double mean_of_approach(double gap, double half_path) const {
         const double low = gap - std::abs(half_path), high = gap + std::abs(half_path);
         if (high <= 0 || low >= cutoff_gap || least_gap >= cutoff_gap) return 0;
         const double length = high - low;
@@ -45,8 +51,8 @@ struct LubricationRow {
 };
 
 inline constexpr std::array lubrication_fields{
-    RDPM_FIELD(LubricationRow, inverse), RDPM_FIELD(LubricationRow, log),
-    RDPM_FIELD(LubricationRow, least_gap), RDPM_FIELD(LubricationRow, cutoff_gap),
-    RDPM_FIELD(LubricationRow, touching_gap)};
+    RDPM_FIELD(LubricationRow, inverse),      RDPM_FIELD(LubricationRow, log),
+    RDPM_FIELD(LubricationRow, least_gap),    RDPM_FIELD(LubricationRow, cutoff_gap),
+    RDPM_FIELD(LubricationRow, touching_gap), RDPM_FIELD(LubricationRow, separation)};
 
 }  // namespace rdpm::contacts

@@ -26,9 +26,9 @@ struct CellList {
     }
 };
 
-// start: most_cells + 1 entries; order: one a body.
+// start: most_cells + 1 entries; order: one a body. `is_even`: along a periodic z an even number, or one.
 inline CellList sort_into_cells(const Box& box, const double* x, std::int64_t bodies, double size,
-                                std::int32_t* start, std::int32_t* order) {
+                                std::int32_t* start, std::int32_t* order, bool is_even) {
     CellList cells{};
     cells.start = start;
     cells.order = order;
@@ -41,6 +41,7 @@ inline CellList sort_into_cells(const Box& box, const double* x, std::int64_t bo
         std::int64_t* widest = std::max_element(cells.n, cells.n + 3);
         *widest = std::max<std::int64_t>(1, *widest / 2);
     }
+    if (is_even && cells.is_periodic[2] && cells.n[2] > 1) cells.n[2] -= cells.n[2] % 2;
     for (int d = 0; d < 3; ++d) cells.inverse[d] = static_cast<double>(cells.n[d]) / box.size[d];
     const std::int64_t total = cells.n[0] * cells.n[1] * cells.n[2];
     std::fill(start, start + total + 1, 0);
@@ -108,7 +109,7 @@ inline std::int64_t find_pairs(const Box& box, const double* x, const double* ra
                                std::int64_t capacity) {
     double largest = 0;
     for (std::int64_t b = 0; b < bodies; ++b) largest = std::max(largest, radius[b]);
-    const CellList cells = sort_into_cells(box, x, bodies, 2 * largest + range, start, order);
+    const CellList cells = sort_into_cells(box, x, bodies, 2 * largest + range, start, order, false);
     std::int64_t found = 0;
     for (std::int64_t i = 0; i < bodies; ++i) {
         const double* xi = x + 3 * i;
@@ -146,7 +147,7 @@ inline void nearest_surfaces(const Box& box, const double* x, const double* radi
                              std::int32_t* start, std::int32_t* order, double* gap, std::int64_t* neighbour) {
     double largest = 0;
     for (std::int64_t b = 0; b < bodies; ++b) largest = std::max(largest, radius[b]);
-    const CellList cells = sort_into_cells(box, x, bodies, 2 * largest, start, order);
+    const CellList cells = sort_into_cells(box, x, bodies, 2 * largest, start, order, false);
     double width = std::numeric_limits<double>::infinity();
     std::int64_t most = 1;
     for (int d = 0; d < 3; ++d) {

@@ -1,6 +1,7 @@
 // The driver over a contact law: bodies and pairs over the sub-steps of one step. Drift, velocity increments,
-// drift; the pairs in fixed order, each impulse at once.
+// drift; the pairs band by band in fixed order, each impulse at once.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <type_traits>
@@ -43,9 +44,11 @@ struct BodyArrays {
     double *impulse, *angular_impulse, *contact_impulse;   // (N, 3), added to
 };
 
-// Rows of M pairs; `parameters` and `history` are those of the law.
+// Rows of pairs; `parameters` and `history` are those of the law. The driver over a law sees `count` of them:
+// pair n in row `rows[n]`, its parameters in row `kinds[rows[n]]`, its bodies `ids` as rows of its own
+// arrays.
 struct PairArrays {
-    const std::int32_t* ids;  // (M, 2)
+    const std::int32_t* ids;  // (count, 2)
     const void* parameters;
     const LubricationRow* lubrication;  // null without lubrication
     ContactState* state;
@@ -53,16 +56,33 @@ struct PairArrays {
     std::int64_t count;
 };
 
+// Pairs [from, to) of a layer; those of one colour share no body.
+struct Band {
+    std::int32_t from, to;
+};
+
+// Of `wake`: a contact that must be looked at in every sub-step.
+inline constexpr std::int32_t kUnderWay = -1;
+
+// Fewer pairs than that are all looked at in every sub-step: the smallest gap is then that of every sub-step.
+inline constexpr std::int64_t kFewPairs = 64;
+
 struct SubstepTask {
-    BodyArrays bodies;
+    BodyArrays bodies;  // those that have a pair, and no other
+    std::int64_t body_count;
     Box box;
-    const std::int32_t* active;  // bodies that have a pair
-    std::int64_t actives;
     PairArrays pairs;
+    const std::int32_t *rows, *kinds;
+    const Band* bands;
+    std::int64_t band_counts[2];  // of even layers, then of odd ones
+    std::int32_t* wake;           // (count,): sub-step in which a pair is next looked at, or kUnderWay
+    double acceleration;          // no relative acceleration exceeds this, by the increments, times h
+    double closing;               // no pair closes faster [m/s]
     Finished* finished;
     std::int64_t capacity;  // of `finished`
     double time, h, overlap_limit;
     std::int64_t first, last;
+    int threads;
 };
 
 struct Progress {
@@ -117,14 +137,43 @@ inline Impulses solve_normal(const NormalImpulse& law, bool acts, double lambda,
     return {contact, h * lambda * (u - contact * inverse_mass) / (1 + viscous)};
 }
 
+// What is summed over both bodies begins with the upper one, so that its last bit does not depend on which of
+// them is i.
+inline bool points_up(const double* n) {
+    if (n[2] != 0) return n[2] > 0;
+    return n[1] != 0 ? n[1] > 0 : n[0] > 0;
+}
+
+// a b + c, rounded once where the machine can: the compiler is not left to choose which product it fuses.
+inline double multiply_add(double a, double b, double c) {
+#ifdef FP_FAST_FMA
+    return std::fma(a, b, c);
+#else
+    return a * b + c;
+#endif
+}
+
+inline double inverse_tangential_mass(const Partners& p, const Geometry& g, double inverse_mass) {
+    const bool is_reversed = p.j >= 0 && points_up(g.n);
+    const double one = g.lever_i * g.lever_i, other = g.lever_j * g.lever_j;
+    const double first = multiply_add(is_reversed ? other : one,
+                                      is_reversed ? p.inverse_moment_j : p.inverse_moment_i, inverse_mass);
+    return multiply_add(is_reversed ? one : other, is_reversed ? p.inverse_moment_i : p.inverse_moment_j,
+                        first);
+}
+
 // Tangential velocity of the surfaces against each other at the contact point, with half of this sub-step's
 // increments; u_mid is the normal part.
 inline void slip_velocity(const BodyArrays& b, const Partners& p, const Geometry& g, double u_mid,
                           double* slip) {
     const double *vi = b.v + 3 * p.i, *wi = b.w + 3 * p.i, *dv = b.dv + 3 * p.i, *dw = b.dw + 3 * p.i;
     double roll[3];
-    for (int d = 0; d < 3; ++d)
-        roll[d] = g.lever_i * (wi[d] - 0.5 * dw[d]) + g.lever_j * (p.wj[d] - 0.5 * p.dw_j[d]);
+    const bool is_reversed = p.j >= 0 && points_up(g.n);
+    const double first = is_reversed ? g.lever_j : g.lever_i, last = is_reversed ? g.lever_i : g.lever_j;
+    for (int d = 0; d < 3; ++d) {
+        const double one = wi[d] - 0.5 * dw[d], other = p.wj[d] - 0.5 * p.dw_j[d];
+        roll[d] = multiply_add(first, is_reversed ? other : one, last * (is_reversed ? one : other));
+    }
     for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, f = (d + 2) % 3;
         slip[d] = vi[d] - p.vj[d] - 0.5 * (dv[d] - p.dv_j[d]) - u_mid * g.n[d] + roll[e] * g.n[f] -
@@ -197,8 +246,7 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
     double tangential[3] = {0, 0, 0};
     if constexpr (TangentialLaw<Law>) {
         if (Law::has_friction(law) && w.share() > 0) {
-            const double inverse_tangential = inverse_mass + g.lever_i * g.lever_i * p.inverse_moment_i +
-                                              g.lever_j * g.lever_j * p.inverse_moment_j;
+            const double inverse_tangential = inverse_tangential_mass(p, g, inverse_mass);
             double slip[3];
             slip_velocity(b, p, g, u_mid, slip);
             Law::tangential_impulse(law, history, w, g.n, slip, inverse_tangential, h, normal.contact,
@@ -222,50 +270,137 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
     return s.phase == kEnded && end <= 0;
 }
 
-inline void drift(const BodyArrays& b, std::int64_t id, double time) {
-    for (std::int64_t c = 3 * id; c < 3 * id + 3; ++c) {
-        b.x[c] += time * b.v[c];
-        b.rotation[c] += time * b.w[c];
-    }
+// Sub-steps, this one first, in which a pair stays apart; 0 where it may touch in this one: gap < h |rate| /
+// 2, told without a root or a quotient, a little on the safe side. `smallest`: gap that is to be known where
+// one is smaller.
+inline std::int32_t clear_substeps(const SubstepTask& task, const std::int32_t* id, double& smallest) {
+    const BodyArrays& b = task.bodies;
+    const std::int64_t i = id[0], j = id[1];
+    double r[3];
+    nearest_image(task.box, b.x + 3 * i, b.x + 3 * j, r);
+    const double square = dot(r, r), sum = b.radius[i] + b.radius[j], reach = sum + smallest;
+    if (!(square > (1 + 1e-12) * sum * sum)) return 0;
+    double approach = 0;
+    for (int d = 0; d < 3; ++d) approach += r[d] * (b.v[3 * i + d] - b.v[3 * j + d]);
+    const double room = (square - (1 + 1e-12) * sum * sum) * sum;
+    if (!(room >= task.h * (std::abs(approach) * sum + 0.5 * task.acceleration * square))) return 0;
+    const bool is_smaller = reach > 0 && square < (1 + 1e-12) * reach * reach;
+    if (!is_smaller && task.pairs.count < kFewPairs) return 1;
+    const double gap = std::sqrt(square) - sum, step = task.h * task.closing;
+    if (is_smaller) smallest = std::min(smallest, gap);
+    return task.pairs.count < kFewPairs || !(gap >= step)
+               ? 1
+               : static_cast<std::int32_t>(std::min(gap / step, 1e6));
 }
 
-// Runs until the last sub-step, until `finished` might overflow, or until a pair passes the overlap limit.
-// Odd sub-steps visit the pairs backwards: what the order does then cancels to second order.
+// What the threads of a sub-step share.
+struct Shared {
+    std::int64_t finished, failed;
+};
+
 template <ContactLaw Law>
-Progress run_substeps(const SubstepTask& task) {
-    const BodyArrays& b = task.bodies;
+void visit_band(const SubstepTask& task, const Band& band, std::int64_t substep, Progress& mine,
+                Shared& shared) {
     const PairArrays& pairs = task.pairs;
     const auto* laws = static_cast<const typename Law::Parameters*>(pairs.parameters);
     auto* histories = static_cast<typename Law::History*>(pairs.history);
     typename Law::History nothing{};
-    Progress progress{task.first, 0, -1, std::numeric_limits<double>::infinity(), 0};
-    for (; progress.next < task.last && progress.failed < 0; ++progress.next) {
-        if (task.capacity - progress.finished < pairs.count) break;
-        const double t = task.time + static_cast<double>(progress.next) * task.h;
-        for (std::int64_t k = 0; k < task.actives; ++k) {
-            drift(b, task.active[k], 0.5 * task.h);
-            for (std::int64_t c = 3L * task.active[k]; c < 3L * task.active[k] + 3; ++c) {
-                b.v[c] += b.dv[c];
-                b.w[c] += b.dw[c];
-            }
+    const double t = task.time + static_cast<double>(substep) * task.h;
+    const bool is_backwards = substep % 2 != 0;
+    for (std::int64_t n = 0; n < band.to - band.from; ++n) {
+        const std::int64_t at = is_backwards ? band.to - 1 - n : band.from + n;
+        const std::int32_t* id = pairs.ids + 2 * at;
+        if (task.wake[at] > substep) continue;
+        if constexpr (!DistantLaw<Law>)
+            if (!pairs.lubrication && task.wake[at] != kUnderWay && id[1] >= 0)
+                if (const std::int32_t clear = clear_substeps(task, id, mine.min_gap); clear > 0) {
+                    task.wake[at] = static_cast<std::int32_t>(substep) + clear;
+                    continue;
+                }
+        const std::int64_t row = task.rows[at];
+        ContactState& s = pairs.state[row];
+        typename Law::History* history = &nothing;
+        if constexpr (!std::is_empty_v<typename Law::History>) history = histories + row;
+        const LubricationRow* lubrication = pairs.lubrication ? pairs.lubrication + row : nullptr;
+        const Partners p = partners_of(task.bodies, task.box, id[0], id[1]);
+        if (visit_pair<Law>(task, p, laws[task.kinds[row]], lubrication, s, *history, t, mine)) {
+            std::int64_t place;
+#pragma omp atomic capture
+            place = shared.finished++;
+            task.finished[place] = {row,   s.start, s.end, s.max_overlap, s.impact_speed, s.rebound_speed,
+                                    s.work};
+            s = ContactState{};
         }
-        for (std::int64_t k = 0; k < pairs.count; ++k) {
-            const std::int64_t pair = progress.next % 2 ? pairs.count - 1 - k : k;
-            ContactState& s = pairs.state[pair];
-            typename Law::History* history = &nothing;
-            if constexpr (!std::is_empty_v<typename Law::History>) history = histories + pair;
-            const LubricationRow* lubrication = pairs.lubrication ? pairs.lubrication + pair : nullptr;
-            const Partners p = partners_of(b, task.box, pairs.ids[2 * pair], pairs.ids[2 * pair + 1]);
-            if (visit_pair<Law>(task, p, laws[pair], lubrication, s, *history, t, progress)) {
-                task.finished[progress.finished++] = {pair,           s.start,         s.end, s.max_overlap,
-                                                      s.impact_speed, s.rebound_speed, s.work};
-                s = ContactState{};
-            }
-            if (s.overlap > task.overlap_limit * p.smaller_diameter) progress.failed = pair;
+        task.wake[at] = s.phase == kApart ? 0 : kUnderWay;
+        if (s.overlap > task.overlap_limit * p.smaller_diameter) {
+#pragma omp critical(rdpm_overlap)
+            shared.failed = std::max(shared.failed, row);
         }
-        for (std::int64_t k = 0; k < task.actives; ++k) drift(b, task.active[k], 0.5 * task.h);
     }
-    return progress;
+}
+
+// Half a sub-step of drift twice, or once; between them nothing changes the velocities. Then the increments.
+inline void drift(const SubstepTask& task, bool is_twice, bool has_increments) {
+    const BodyArrays& b = task.bodies;
+    const double half = 0.5 * task.h;
+#pragma omp for schedule(static)
+    for (std::int64_t c = 0; c < 3 * task.body_count; ++c) {
+        double x = b.x[c] + half * b.v[c], rotation = b.rotation[c] + half * b.w[c];
+        if (is_twice) {
+            x += half * b.v[c];
+            rotation += half * b.w[c];
+        }
+        b.x[c] = x;
+        b.rotation[c] = rotation;
+        if (has_increments) {
+            b.v[c] += b.dv[c];
+            b.w[c] += b.dw[c];
+        }
+    }
+}
+
+// Runs until the last sub-step, until `finished` might overflow, or until a pair passes the overlap limit.
+// Even bands, then odd ones, each from its first pair; odd sub-steps run all of it backwards: what the order
+// does then cancels to second order. Bands of one colour share no body, so any thread may take any of them.
+template <ContactLaw Law>
+Progress run_substeps(const SubstepTask& task) {
+    constexpr double none = std::numeric_limits<double>::infinity();
+    Progress all{task.first, 0, -1, none, 0};
+    Shared shared{0, -1};
+#pragma omp parallel num_threads(task.threads) if (task.threads > 1)
+    {
+        Progress mine{task.first, 0, -1, none, 0};
+        while (mine.next < task.last && shared.failed < 0 &&
+               task.capacity - shared.finished >= task.pairs.count) {
+            const std::int64_t before = shared.finished;
+            drift(task, mine.next > task.first, true);
+            for (int pass = 0; pass < 2; ++pass) {
+                const bool is_odd = (pass + mine.next) % 2 != 0;
+                const Band* bands = task.bands + (is_odd ? task.band_counts[0] : 0);
+#pragma omp for schedule(dynamic)
+                for (std::int64_t n = 0; n < task.band_counts[is_odd]; ++n)
+                    visit_band<Law>(task, bands[n], mine.next, mine, shared);
+            }
+            // In one order on any number of threads.
+            const bool is_backwards = mine.next % 2 != 0;
+#pragma omp single
+            std::sort(task.finished + before, task.finished + shared.finished,
+                      [&](const Finished& a, const Finished& b) {
+                          return is_backwards ? a.pair > b.pair : a.pair < b.pair;
+                      });
+            ++mine.next;
+        }
+        if (mine.next > task.first) drift(task, false, false);
+#pragma omp critical(rdpm_progress)
+        {
+            all.next = mine.next;
+            all.min_gap = std::min(all.min_gap, mine.min_gap);
+            all.max_overlap = std::max(all.max_overlap, mine.max_overlap);
+        }
+    }
+    all.finished = shared.finished;
+    all.failed = shared.failed;
+    return all;
 }
 
 // A compiled driver and the rows of its law. Also another shared object may hold one: the first member tells
