@@ -93,7 +93,11 @@ def test_a_launcher_of_another_mpi_is_named(tmp_path) -> None:
     """Each process would do the whole work."""
     name = case_file(tmp_path, DRY)
     done = subprocess.run(
-        [*RDPM, "run", name], cwd=tmp_path, capture_output=True, text=True, env=os.environ | {"OMPI_COMM_WORLD_SIZE": "4"}
+        [*RDPM, "run", name],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env=os.environ | {"OMPI_COMM_WORLD_SIZE": "4"},
     )
     assert done.returncode == 2
     assert "run = 4 MPI ranks (OMPI_COMM_WORLD_SIZE): must be as many as MPI sees, 1" in done.stderr

@@ -19,6 +19,7 @@ __all__ = ["ALONE", "Alone", "MpiRanks", "Ranks", "world"]
 Array = NDArray[Any]
 Floats = NDArray[np.float64]
 
+
 class Ranks(Protocol):
     """What the ranks of a run can say to each other; every rank must make the same calls in the same order.
 
