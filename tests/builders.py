@@ -71,7 +71,7 @@ def write_particles(path, times, position, periodic):
     with TableWriter(path, PARTICLE_COLUMNS) as table:
         for n, time in enumerate(times):
             table.write(
-                (time, b, *position[n, b], *velocity[n, b], 0.0, 6.0 - 12 * b, 0.0, *np.zeros(6), 0.01, -5)
+                (time, b, *position[n, b], *velocity[n, b], 0.0, 6.0 - 12 * b, 0.0, *np.zeros(6), 0.01, -5, *np.zeros(18))
                 for b in range(position.shape[1])
             )
 

@@ -2,9 +2,14 @@
 
 import re
 import shlex
+import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from rdpm.cases import shipped_names
 from rdpm.cli.main import VERBS, main
@@ -78,12 +83,18 @@ def test_dry_case_as_told(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out == blocks(page, "text")[0]
 
 
-def test_results_are_read_as_told(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+@pytest.fixture(scope="module")
+def dkt(tmp_path_factory):
+    """A folder that holds ./dkt, as the pages have it."""
     changes = ["resolution.cells_per_diameter=4", "time.end=0.01", "output.fields_every=0.005", "output.report=false"]
-    folder = Path("dkt")
+    folder = tmp_path_factory.mktemp("pages") / "dkt"
     folder.mkdir()
     run_case(load_case("dkt", changes), folder)
+    return folder.parent
+
+
+def test_results_are_read_as_told(dkt, monkeypatch, capsys):
+    monkeypatch.chdir(dkt)
     run_python(ROOT / "docs" / "howto" / "read_results.md")
     printed = capsys.readouterr().out.splitlines()
     assert printed[0].startswith("done; fastest: 0.0")
@@ -91,6 +102,24 @@ def test_results_are_read_as_told(tmp_path, monkeypatch, capsys):
     assert printed[2].startswith("fastest: 0.0")
     assert printed[3].startswith("3 pictures of (27, 27, 135) cells; velocity (135, 27, 27, 3) at t = 0.01 s")
     assert printed[4].startswith("done ")
+
+
+def test_the_flow_is_sampled_as_told(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    page = ROOT / "docs" / "howto" / "sample.md"
+    run_python(page)
+    assert capsys.readouterr().out == "".join(blocks(page, "text"))
+    asked = tomllib.loads(blocks(page, "toml")[0])
+    load_case("dkt", {f"output.{key}": value for key, value in asked["output"].items()})
+
+
+def test_the_last_time_is_shown_as_told(dkt):
+    """In a process of its own: what draws may crash where there is no graphics library."""
+    script = "".join(blocks(ROOT / "docs" / "howto" / "paraview.md", "python"))
+    done = subprocess.run([sys.executable, "-c", script], cwd=dkt, capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0, done.stderr
+    picture = np.asarray(Image.open(dkt / "last.png").convert("RGB"))
+    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 100  # the flow's colours
 
 
 def run_python(page: Path) -> None:

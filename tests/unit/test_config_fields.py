@@ -40,8 +40,8 @@ def keys(model):
 
 def test_every_table_of_the_case_file_is_reached() -> None:
     assert [model.__name__ for model in models()] == [
-        *("BodyGroup", "Boundary", "Case", "Contact", "Domain", "Fluid", "Gap", "Inflow", "Lattice", "Motion"),
-        *("Output", "Packing", "Resolution", "RotationTable", "Time", "VelocityTable", "Wall", "WallVelocity"),
+        *("BodyGroup", "Boundary", "Case", "Contact", "Domain", "Fluid", "Gap", "Inflow", "Lattice", "Line", "Motion"),
+        *("Output", "Packing", "Plane", "Resolution", "RotationTable", "Time", "VelocityTable", "Wall", "WallVelocity"),
     ]
 
 

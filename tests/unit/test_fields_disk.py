@@ -50,7 +50,7 @@ def test_first_run_leaves_less_than_100_mb_of_fields():
 
 def test_check_says_it(capsys):
     assert main(["check", "dkt", "--json"]) == 0
-    rows = {row["name"]: row["value"] for row in json.loads(capsys.readouterr().out)["sections"]["Output"]}
-    assert rows == {"fields": "41 pictures, 44.2 MB to 177 MB"}
+    rows = {row["name"]: row for row in json.loads(capsys.readouterr().out)["sections"]["Disk"]}
+    assert (rows["fields.vtkhdf"]["value"], rows["fields.vtkhdf"]["note"]) == ("44.2 MB to 177 MB", "41 pictures")
     assert main(["check", "dkt", "--set", "output.fields_every=0"]) == 0
     assert "pictures" not in capsys.readouterr().out

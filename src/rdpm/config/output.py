@@ -111,8 +111,10 @@ class Output(Model):
 
     def check_places(self, size: Vector, end: float) -> None:
         """Refuse samples outside a box of this size [m], and averages that begin after the end [s]."""
-        ends = [(("lines", n, name), getattr(line, name)) for n, line in enumerate(self.lines) for name in ("start", "end")]
-        for at, point in [*((("points", n), point) for n, point in enumerate(self.points)), *ends]:
+        places: list[tuple[tuple[str | int, ...], Vector]] = [(("points", n), at) for n, at in enumerate(self.points)]
+        for n, line in enumerate(self.lines):
+            places += [(("lines", n, "start"), line.start), (("lines", n, "end"), line.end)]
+        for at, point in places:
             axis = next((d for d in range(3) if not 0.0 <= point[d] <= size[d]), None)
             if axis is not None:
                 rule = f"must lie in the box, between 0 and {size[axis]:g} m along {'xyz'[axis]}"

@@ -90,7 +90,7 @@ class PythonDriver:
 
     def run(self, task: ContactTask, step: ContactStep, record: Callable[[NDArray[np.int32], Rows], None]) -> None:
         """Change bodies, states and histories of the task, and `step`; see :class:`rdpm.contacts.driver.Driver`."""
-        b, table, active = task.bodies, task.table, task.active
+        b, table, active, rows = task.bodies, task.table, task.selection.active, task.selection.rows
         if len(table.lubrication):
             raise CaseError("contact.lubrication", True, "must be false with a law of Python's",
                             "it has no lubrication", "Leave it out.")  # fmt: skip
@@ -103,8 +103,7 @@ class PythonDriver:
             _drift(task, active, 0.5 * h)
             b.velocity[active] += dv[active]
             b.angular_velocity[active] += dw[active]
-            order = range(len(table)) if n % 2 == 0 else range(len(table) - 1, -1, -1)
-            for k in order:
+            for k in rows if n % 2 == 0 else rows[::-1]:
                 self._visit(task, step, k, facts[k], (dv, dw), h)
                 self._record(task, k, task.time + n * h, h, record)
                 if table.state["overlap"][k] > task.overlap_limit * facts["smaller_diameter"][k]:
@@ -117,7 +116,7 @@ class PythonDriver:
                         "Make it stronger.",
                     )
             _drift(task, active, 0.5 * h)
-        overlaps = table.state["max_overlap"]
+        overlaps = table.state["max_overlap"][rows]
         step.max_overlap_fraction = max(step.max_overlap_fraction, float(overlaps.max(initial=0.0)))
 
     def _visit(

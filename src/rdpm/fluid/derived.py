@@ -19,7 +19,8 @@ def vorticity_and_q(fluid: Fluid) -> tuple[NDArray[np.float32], NDArray[np.float
     r"""Vorticity :math:`\nabla\times u` and :math:`Q=-\tfrac12\,\partial_iu_j\,\partial_ju_i`, to second order.
 
     Derivatives are central differences of the velocity at the cell centres; beside a no-slip wall they are one-sided
-    and take the wall's velocity. Q > 0 where rotation outweighs strain.
+    and take the wall's velocity; beside an inflow or outflow they are of first order. Q > 0 where rotation outweighs
+    strain.
 
     Parameters
     ----------

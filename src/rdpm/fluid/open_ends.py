@@ -78,4 +78,5 @@ class OpenEnds:
         return self.inflow.speed_at(time) * self._shape
 
     def _balanced(self, leaving: Field, time: float) -> Field:
-        return leaving + (self.inflow.speed_at(time) - leaving.mean())
+        result: Field = leaving + (self.inflow.speed_at(time) - float(leaving.mean()))
+        return result

@@ -45,7 +45,7 @@ def open_fields(path: str | Path) -> xarray.Dataset:
     >>> import tempfile
     >>> from rdpm.io.vtkhdf import FieldWriter
     >>> path = Path(tempfile.mkdtemp()) / "fields.vtkhdf"
-    >>> FieldWriter(path, cells=(4, 3, 2), spacing=(0.1, 0.1, 0.1)).write(0.5, np.ones((2, 3, 4, 3)), np.zeros((2, 3, 4)))
+    >>> FieldWriter(path, (4, 3, 2), (0.1, 0.1, 0.1)).write(0.5, np.ones((2, 3, 4, 3)), np.zeros((2, 3, 4)))
     >>> fields = open_fields(path)
     >>> dict(fields.sizes), float(fields.velocity.isel(time=-1).sel(component="z").mean())
     ({'time': 1, 'z': 2, 'y': 3, 'x': 4, 'component': 3}, 1.0)

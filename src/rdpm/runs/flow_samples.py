@@ -84,9 +84,7 @@ class FlowSamples:
         self.means = FlowMeans(self._fluid.grid.cells) if output.average_from is not None else None
         self._files: list[FieldWriter] = []
 
-    def open(
-        self, resumed: tuple[Mapping[str, NDArray[Any]], Mapping[str, Any]] | None, note: Note | None
-    ) -> None:
+    def open(self, resumed: tuple[Mapping[str, NDArray[Any]], Mapping[str, Any]] | None, note: Note | None) -> None:
         """Begin the files, or continue them from what `state` gave."""
         until = self._simulation.time if resumed else None
         for n, (axis, position) in enumerate(self._planes):
@@ -113,9 +111,9 @@ class FlowSamples:
         if self._files and self._planes_due.is_due(time):
             for (axis, position), file in zip(self._planes, self._files, strict=True):
                 file.write(time, *plane_values(self._fluid, axis, position))
-        if self.means is not None and self._from is not None and time >= self._from * (1.0 - 1e-9):
-            if self._average_due.is_due(time):
-                self.means.add(self._fluid, time)
+        begins = self._from is not None and time >= self._from * (1.0 - 1e-9)
+        if self.means is not None and begins and self._average_due.is_due(time):
+            self.means.add(self._fluid, time)
 
     def state(self) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
         """Sums and schedules: arrays, and plain values."""

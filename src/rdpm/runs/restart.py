@@ -15,7 +15,7 @@ from rdpm.runs.checkpoints import Saved
 __all__ = ["case_to_branch", "case_to_continue"]
 
 #: Keys of [output] that a run that continues may change: the files of the run go on as they began.
-_FREE_OUTPUT = ("checkpoint_every", "checkpoints_kept", "report", "video")
+_FREE_OUTPUT = ("checkpoint_every", "checkpoints_kept", "report", "video", "figure_format")
 _FREE = ("title", "time.end", "output")
 _AUTOMATIC = ("time.step", "time.diffusion")  # chosen when the run began
 _FREE_IN_A_BRANCH = ("title", "time", "output", "contact")

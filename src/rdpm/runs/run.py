@@ -66,7 +66,7 @@ def run(
     ...         "output": {"report": False}}
     >>> heights = []
     >>> found = rdpm.run(case, tempfile.mkdtemp(), on_step=lambda sim: heights.append(sim.bodies.position[0, 2]),
-    ...                  record={"energy_J": (lambda sim: 0.5 * sim.bodies.mass @ sim.bodies.velocity[:, 2]**2, "10 ms")})
+    ...                  record={"energy_J": (lambda sim: sim.bodies.mass @ sim.bodies.velocity[:, 2]**2 / 2, "10 ms")})
     >>> len(heights), found.summary.steps, round(float(found.particles["z_m"].iloc[-1]), 6)
     (50, 50, 0.037738)
     >>> found.records["energy_J"].round(6).values[-1].tolist()

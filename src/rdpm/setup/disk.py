@@ -1,4 +1,4 @@
-"""Disk that the pictures of the flow take."""
+"""Disk that a run takes, file by file."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from rdpm.config.case import Case
 from rdpm.io.sphere_surface import surface_level
 
-__all__ = ["FieldsDisk", "bodies_disk", "fields_disk"]
+__all__ = ["FieldsDisk", "bodies_disk", "checkpoint_bytes", "fields_disk", "run_disk", "size_text", "tables_disk"]
 
 #: Velocity and pressure of a cell in single precision [bytes].
 CELL = 16
@@ -22,6 +22,19 @@ QUIET = 0.25
 
 #: Of ``bodies.vtkhdf``: its begun chunks, and of a point its triangles and its values in a picture, compressed [bytes].
 BODIES, TRIANGLES, POINT = 85_000, 80, 10
+
+#: A row of ``particles.csv`` with and without a fluid; of ``history.csv`` and ``timing.csv`` together; other texts; a
+#: sample of the flow at a point [bytes].
+WET_ROW, DRY_ROW, ROW, TEXTS, SAMPLE = 520, 320, 250, 8_000, 165
+
+#: Arrays of a checkpoint the size of the grid with its halo, in double precision.
+CHECKPOINT_ARRAYS = 7
+
+#: Of a cell in ``averages.vtkhdf``, and in a checkpoint for them [bytes].
+AVERAGE, AVERAGE_SUMS = 28, 56
+
+#: Figures and report of a run with few bodies, and its video [bytes].
+REPORT, VIDEO = 1_300_000, 80_000
 
 
 @dataclass(frozen=True)
@@ -42,7 +55,7 @@ class FieldsDisk:
     most: int
 
     def __str__(self) -> str:
-        size = _size(self.most) if self.least == self.most else f"{_size(self.least)} to {_size(self.most)}"
+        size = size_text(self.most) if self.least == self.most else f"{size_text(self.least)} to {size_text(self.most)}"
         return f"{self.count} pictures, {size}"
 
 
@@ -79,7 +92,7 @@ def fields_disk(case: Case, cells: tuple[int, int, int] | None, steps: int, star
     every, tolerance = case.output.fields_every, case.output.fields_tolerance
     if cells is None or not every:
         return None
-    count = min(math.floor((case.time.end - start) / every * (1.0 + 1e-9)), steps) + 1
+    count = min(_times(case, every, start), steps + 1)
     values = count * math.prod(cells)
     if tolerance == 0.0:
         return FieldsDisk(count, CELL * values, CELL * values)
@@ -99,5 +112,72 @@ def bodies_disk(bodies: int, pictures: int) -> int:
     return BODIES + points * (TRIANGLES + POINT * pictures) if bodies else 0
 
 
-def _size(size: int) -> str:
+def checkpoint_bytes(case: Case, cells: tuple[int, int, int] | None) -> int:
+    """One checkpoint, about [bytes]."""
+    if not cells:
+        return 600 * len(case.expanded_bodies())
+    sums = AVERAGE_SUMS * math.prod(cells) if case.output.average_from is not None else 0
+    return 8 * CHECKPOINT_ARRAYS * math.prod(n + 2 for n in cells) + sums + 600 * len(case.expanded_bodies())
+
+
+def tables_disk(case: Case, start: float = 0.0) -> dict[str, int]:
+    """Tables of bodies and of the run's health, and other texts [bytes]."""
+    rows, bodies = _times(case, case.output.table_every or case.time.end, start), len(case.expanded_bodies())
+    row = DRY_ROW if case.fluid is None else WET_ROW
+    return {"particles.csv": rows * bodies * row, "other tables and texts": TEXTS + rows * ROW}
+
+
+def run_disk(case: Case, cells: tuple[int, int, int] | None, steps: int) -> dict[str, tuple[int, int]]:
+    """Tell what each file of a run will take, at least and at most.
+
+    Parameters
+    ----------
+    case : Case
+    cells : tuple of int, optional
+        Of the grid; None for a dry case.
+    steps : int
+        Of the run.
+
+    Returns
+    -------
+    dict of str to (int, int), [bytes]
+        By file; both are equal but for rounded fields. A row a contact in ``contacts.csv`` and tables of the user's own
+        are not foreseen.
+
+    Examples
+    --------
+    >>> from rdpm.config.load import load_case
+    >>> found = run_disk(load_case("dkt", ["output.report=false"]), (54, 54, 270), 1000)
+    >>> list(found), found["checkpoints"]
+    (['particles.csv', 'other tables and texts', 'fields.vtkhdf', 'bodies.vtkhdf', 'checkpoints'], (95537504, 95537504))
+    """
+    output, bodies, flow = case.output, len(case.expanded_bodies()), fields_disk(case, cells, steps)
+    found = {name: (size, size) for name, size in tables_disk(case).items()}
+    if flow:
+        extra = (12 if output.vorticity else 0) + (4 if output.q_criterion else 0)
+        found["fields.vtkhdf"] = flow.least * (CELL + extra) // CELL, flow.most * (CELL + extra) // CELL
+    once: dict[str, int] = {}
+    if output.fields_every:
+        once["bodies.vtkhdf"] = bodies_disk(bodies, min(_times(case, output.fields_every), steps + 1))
+    if cells:
+        samples = min(_times(case, output.sample_every or case.time.end), steps + 1)
+        once["points.csv"] = SAMPLE * samples * len(output.points)
+        once["lines.csv"] = SAMPLE * samples * sum(line.count for line in output.lines)
+        pictures = min(_times(case, output.planes_every or case.time.end), steps + 1)
+        layers = (math.prod(cells) // cells["xyz".index(plane.normal)] for plane in output.planes)
+        once["planes"] = CELL * pictures * sum(layers)
+        once["averages.vtkhdf"] = AVERAGE * math.prod(cells) if output.average_from is not None else 0
+    once["checkpoints"] = output.checkpoints_kept * checkpoint_bytes(case, cells)
+    once["figures and report"] = REPORT if output.report else 0
+    once["video.mp4"] = VIDEO if output.report and output.video else 0
+    return found | {name: (size, size) for name, size in once.items() if size}
+
+
+def _times(case: Case, every: float, start: float = 0.0) -> int:
+    """Multiples of an interval in a run, both ends counted."""
+    return math.floor((case.time.end - start) / every * (1.0 + 1e-9)) + 1
+
+
+def size_text(size: int) -> str:
+    """Such as ``44.2 MB``."""
     return f"{size / 1e9:.3g} GB" if size >= 1e9 else f"{size / 1e6:.3g} MB"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,12 @@ from rdpm.fluid.timestep import Choice
 from rdpm.grid.grid import choose_cells
 from rdpm.particles.seeding import marker_count
 from rdpm.setup.contact import PairKind, contact_law, contact_limit, pairs
-from rdpm.setup.disk import fields_disk
+from rdpm.setup.disk import fields_disk, run_disk
 from rdpm.setup.inflow import check_ends
 from rdpm.setup.kinds import kinds_of_pairs
+from rdpm.setup.needs import MemoryNeeds, memory_needs
 from rdpm.setup.plausible import implausible
-from rdpm.setup.rows import PlanRow, hard_sphere_rows, sections
+from rdpm.setup.rows import PlanRow, disk_rows, hard_sphere_rows, memory_rows, sections
 from rdpm.setup.scales import Scales, available_memory, memory_needed, scales
 from rdpm.setup.time_step import time_step
 from rdpm.setup.walls import check_room_behind
@@ -44,6 +46,7 @@ class Plan:
     pairs : list of PairKind
     scales : Scales
     memory : int, [bytes]
+        Of fields, solver and markers; `needs` says all that a run takes.
     steps : int
         The most, where steps are adaptive.
     sections : list of (str, list of PlanRow)
@@ -60,6 +63,16 @@ class Plan:
     memory: int
     steps: int
     sections: list[tuple[str, list[PlanRow]]]
+
+    @cached_property
+    def needs(self) -> MemoryNeeds:
+        """Memory by process."""
+        return memory_needs(self.case, self.cells, self.memory)
+
+    @cached_property
+    def disk(self) -> dict[str, tuple[int, int]]:
+        """Disk by file, at least and at most [bytes]."""
+        return run_disk(self.case, self.cells, self.steps)
 
     @property
     def step_control(self) -> StepControl | None:
@@ -89,7 +102,10 @@ class Plan:
             "diffusion": "explicit" if self.step.is_explicit else "stabilised",
             "stages": self.step.stages,
             "steps": self.steps,
-            "memory_bytes": self.memory,
+            "memory_bytes": self.needs.process,
+            "memory": self.needs.to_dict(),
+            "disk_bytes": sum(most for _, most in self.disk.values()),
+            "disk": {name: {"least": least, "most": most} for name, (least, most) in self.disk.items()},
             "terminal_velocity_m_s": float(self.scales.terminal.max(initial=0.0)),
             "pairs": [{"kind": p.kind, **p.design.to_dict()} for p in self.pairs],
             "sections": {title: [vars(row) for row in rows] for title, rows in self.sections},
@@ -135,14 +151,15 @@ def plan(case: Case, contact_step: float | None = None) -> Plan:
     _check_memory(case, cells, memory)
     designed = pairs(case, kinds, step.dt, found.fall, h)
     steps = max(1, math.ceil(case.time.end / step.dt - 1e-6))
-    rows = sections(case, cells, spacing, step, designed, found, memory, steps, markers)
+    rows = sections(case, cells, spacing, step, designed, found, steps, markers)
     if case.contact.model == "hard-sphere" and kinds:
         rows.append(("Contact, hard spheres", hard_sphere_rows(case, step.dt, found.fall)))
-    if disk := fields_disk(case, cells, steps):
-        rows.append(("Output", [PlanRow("fields", str(disk), "", "fields.vtkhdf, of the flow")]))
+    made = Plan(case, cells, step, law, designed, found, memory, steps, rows)
+    rows.append(("Memory", memory_rows(made.needs, available_memory())))
+    rows.append(("Disk", disk_rows(made.disk, fields_disk(case, cells, steps))))
     if doubts := implausible(case, cells, steps):
         rows.append(("Values hardly meant", doubts))
-    return Plan(case, cells, step, law, designed, found, memory, steps, rows)
+    return made
 
 
 def _cells(case: Case) -> tuple[int, int, int] | None:

@@ -14,10 +14,12 @@ from rdpm.design import Design
 from rdpm.design.report import Row
 from rdpm.fluid.timestep import Choice
 from rdpm.setup.contact import PairKind
+from rdpm.setup.disk import FieldsDisk, size_text
 from rdpm.setup.hard_sphere import hard_sphere
-from rdpm.setup.scales import Scales, available_memory
+from rdpm.setup.needs import MemoryNeeds
+from rdpm.setup.scales import Scales
 
-__all__ = ["EXPECTED_NS", "PlanRow", "hard_sphere_rows", "sections"]
+__all__ = ["EXPECTED_NS", "PlanRow", "disk_rows", "hard_sphere_rows", "memory_rows", "sections"]
 
 #: Nanoseconds a cell and step on one thread, for the estimate of a run's time.
 EXPECTED_NS = 20.0
@@ -59,7 +61,6 @@ def sections(
     step: Choice,
     pairs: list[PairKind],
     found: Scales,
-    memory: int,
     steps: int,
     markers: int,
 ) -> list[tuple[str, list[PlanRow]]]:
@@ -71,7 +72,7 @@ def sections(
     """
     result = []
     if cells and spacing:
-        result.append(("Grid", _grid(case, cells, spacing, memory, markers)))
+        result.append(("Grid", _grid(case, cells, spacing, markers)))
         result.append(("Flow", _flow(case, found)))
     result.append(("Time", _time(cells, step, steps)))
     result.extend((f"Contact, {pair.kind}", _contact(pair)) for pair in pairs)
@@ -82,9 +83,7 @@ def _row(name: str, value: str, ok: bool | None = None, note: str = "") -> PlanR
     return PlanRow(name, value, "" if ok is None else "ok" if ok else "warning", note)
 
 
-def _grid(
-    case: Case, cells: tuple[int, int, int], spacing: tuple[float, ...], memory: int, markers: int
-) -> list[PlanRow]:
+def _grid(case: Case, cells: tuple[int, int, int], spacing: tuple[float, ...], markers: int) -> list[PlanRow]:
     rows = [
         _row("cells", f"{cells[0]} x {cells[1]} x {cells[2]} = {math.prod(cells) / 1e6:.3g} million"),
         _row("spacing", ", ".join(f"{1e3 * h:.4g}" for h in spacing) + " mm"),
@@ -101,8 +100,33 @@ def _grid(
             )
         )
         rows.append(_row("markers", f"{markers} on {len(diameters)} bodies"))
-    rows.append(_row("memory", f"{memory / 1e9:.2g} GB", True, f"{available_memory() / 1e9:.3g} GB are free"))
     return rows
+
+
+def memory_rows(needs: MemoryNeeds, free: int) -> list[PlanRow]:
+    """Memory of a run by process, of which so much is free [bytes], as lines for a reader."""
+    rows = [
+        _row("run", size_text(needs.process), True, f"{size_text(free)} are free"),
+        _row("of it", f"solver {size_text(needs.solver)}, libraries {size_text(needs.libraries)}"),
+    ]
+    if needs.view:
+        rows.append(_row("view of the bodies", size_text(needs.view), None, "a process of its own, after the run"))
+    if needs.video:
+        rows.append(_row("video", size_text(needs.video), None, "likewise"))
+    if needs.at_once > needs.process:
+        rows.append(_row("all at once", size_text(needs.at_once), None, "what a batch system must grant"))
+    return rows
+
+
+def disk_rows(disk: dict[str, tuple[int, int]], flow: FieldsDisk | None) -> list[PlanRow]:
+    """Disk of a run by file, as lines for a reader."""
+    sizes = {**disk, "all": (sum(least for least, _ in disk.values()), sum(most for _, most in disk.values()))}
+    notes = {"fields.vtkhdf": f"{flow.count} pictures" if flow else "", "all": "without contacts.csv, a row a contact"}
+
+    def said(least: int, most: int) -> str:
+        return size_text(most) if least == most else f"{size_text(least)} to {size_text(most)}"
+
+    return [_row(name, said(*size), None, notes.get(name, "")) for name, size in sizes.items()]
 
 
 def _flow(case: Case, found: Scales) -> list[PlanRow]:

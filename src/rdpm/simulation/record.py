@@ -56,11 +56,12 @@ class Record:
         self.name, self.function, self.schedule = name, function, schedule
         self.columns: tuple[str, ...] = ()
         self._rows: list[NDArray[np.float64]] = []
-        if not isinstance(name, str) or not _NAME.fullmatch(name):
+        if not _NAME.fullmatch(str(name)):
             raise CaseError(self.place, None, "must have a name of letters, digits, _ and -", cure="Rename it.")
-        if not callable(function):
+        given: object = function
+        if not callable(given):
             cure = 'Give a function, or a function and how often: (function, "1 ms").'
-            raise CaseError(self.place, repr(function), "must be a function of the simulation", cure=cure)
+            raise CaseError(self.place, repr(given), "must be a function of the simulation", cure=cure)
 
     @property
     def place(self) -> str:
@@ -105,6 +106,8 @@ class Record:
     def _taken_apart(self, found: Any, when: str) -> tuple[tuple[str, ...], NDArray[np.float64]]:
         named = found if isinstance(found, Mapping) else self._named(found)
         try:
+            if any(value is None for value in named.values()):
+                raise TypeError("no value")
             table = {str(key): np.atleast_1d(np.asarray(value, np.float64)) for key, value in named.items()}
             shapes = {column.shape for column in table.values()}
             if len(shapes) != 1 or len(next(iter(shapes))) != 1:
@@ -120,7 +123,7 @@ class Record:
 
     def _named(self, found: Any) -> dict[str, Any]:
         try:
-            values = np.asarray(found, np.float64)
+            values = np.asarray(found, np.float64)  # of None: nan
         except (TypeError, ValueError):
             return {self.name: found}  # refused by the caller, in its words
         if values.ndim == 1:

@@ -15,7 +15,7 @@ from rdpm.errors import CaseError
 from rdpm.io.files import replacing, reporting
 from rdpm.io.provenance import environment
 from rdpm.setup import plan
-from rdpm.setup.disk import bodies_disk, fields_disk
+from rdpm.setup.disk import bodies_disk, checkpoint_bytes, fields_disk, tables_disk
 from rdpm.setup.rows import EXPECTED_NS
 from rdpm.studies.cases import base_raw
 from rdpm.studies.expand import StudyRun, expand, parameters
@@ -26,17 +26,11 @@ from rdpm.studies.write import study_to_toml
 
 __all__ = ["Prepared", "prepare", "write_folder"]
 
-#: Arrays of a checkpoint the size of the grid with its halo, in double precision.
-CHECKPOINT_ARRAYS = 7
-
 #: Checkpoints of a run at work; of a start that is done one stays.
 CHECKPOINTS = 2
 
 #: What a kept plane takes of a cell and picture: three speeds in half precision [bytes].
 PLANE_CELL = 6
-
-#: Row of the tables of a run, for each body and beside, and what else a run leaves, about [bytes].
-BODY_ROW, ROW, REST = 290, 260, 8_000
 
 
 @dataclass(frozen=True)
@@ -157,15 +151,14 @@ def _disk(
     case: Case, cells: tuple[int, int, int] | None, steps: int, start: float, keeps_plane: bool, is_start: bool
 ) -> tuple[int, int]:
     """What a job takes while it is at work, and when it is done [bytes]."""
-    checkpoint = 8 * CHECKPOINT_ARRAYS * math.prod(n + 2 for n in cells) if cells else 0
+    checkpoint = checkpoint_bytes(case, cells)
     fields = fields_disk(case, cells, steps, start)
     bodies = len(case.expanded_bodies().diameter)
     pictures = fields.most + bodies_disk(bodies, fields.count) if fields else 0
     kept = pictures
     if fields and cells and keeps_plane:
         kept = PLANE_CELL * fields.count * cells[2] * max(cells[:2])
-    rows = (case.time.end - start) / (case.output.table_every or case.time.end) + 1.0
-    tables = REST + int(rows * (ROW + BODY_ROW * bodies))
+    tables = sum(tables_disk(case, start).values())
     return tables + pictures + CHECKPOINTS * checkpoint, tables + kept + (checkpoint if is_start else 0)
 
 
