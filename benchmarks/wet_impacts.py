@@ -3,7 +3,7 @@
 Gondret, Lance and Petit, Phys. Fluids 14 (2002) 643-652: 7800 in 965 kg/m3, 0.519 m/s; St 27 at 0.100 Pa s. The
 approach is prescribed until the gap is a radius. 12 cells a diameter; a quarter of a minute a run.
 
-    python benchmarks/wet_impacts.py            # St 27: roughness, film, forcings, steps, box
+    python benchmarks/wet_impacts.py            # St 27: roughness, lubrication, forcings, steps, box
     python benchmarks/wet_impacts.py stokes     # St 5 to 1000, at the roughness that fits St 27
 """
 
@@ -30,7 +30,7 @@ VARIED: dict[str, dict[str, Any]] = {
     "roughness 0.002 a": {"contact": {"lubrication_roughness": 2e-3}},
     "roughness 0.003 a": {"contact": {"lubrication_roughness": 3e-3}},
     "roughness 0.01 a": {"contact": {"lubrication_roughness": 1e-2}},
-    "no film in separation": {"contact": {"lubrication_in_separation": False}},
+    "no lubrication in separation": {"contact": {"lubrication_in_separation": False}},
     "no lubrication": {"contact": {"lubrication": False}},
     "one forcing in the impact": {"rounds": 1},
     "four forcings in the impact": {"rounds": 4},

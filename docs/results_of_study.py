@@ -1,6 +1,7 @@
 """Write a study that was run as a page of the documentation: ``python docs/results_of_study.py FOLDER FILE IMAGES``.
 
-The runs are measured, drawn and judged anew; nothing is run. Figures go to IMAGES as ``NAME_PART_FIGURE.png``.
+The runs are measured, drawn and judged anew; nothing is run. Figures go to IMAGES as ``NAME_PART_FIGURE.png``, without
+PART in a study that includes no others.
 """
 
 from __future__ import annotations

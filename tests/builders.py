@@ -68,10 +68,11 @@ def cloud_motion(times):
 def write_particles(path, times, position, periodic):
     velocity = np.gradient(position, times, axis=0)
     position = position % np.array(BOX) if periodic else position
+    loads = np.zeros(len(PARTICLE_COLUMNS) - 19)
     with TableWriter(path, PARTICLE_COLUMNS) as table:
         for n, time in enumerate(times):
             table.write(
-                (time, b, *position[n, b], *velocity[n, b], 0.0, 6.0 - 12 * b, 0.0, *np.zeros(6), 0.01, -5, *np.zeros(18))
+                (time, b, *position[n, b], *velocity[n, b], 0.0, 6.0 - 12 * b, 0.0, *np.zeros(6), 0.01, -5, *loads)
                 for b in range(position.shape[1])
             )
 

@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/tuple.h>
 
+#include <limits>
 #include <tuple>
 
 #include "contact_arguments.hpp"
@@ -152,7 +153,10 @@ std::tuple<std::int64_t, double> contacts_under_way(const Reals& box, const In<s
                                                     const ConstBytes& state,
                                                     const InOut<double>& impact_speed) {
     const auto m = pairs.rows("pairs", {-1, 2}), n = impact_speed.rows("impact_speed", {-1});
-    const std::int32_t* id = checked_pairs(pairs, "pairs", m, n, make_box(box));
+    const std::int32_t* id =
+        checked_pairs(pairs, "pairs", m, std::numeric_limits<std::int32_t>::max(), make_box(box));
+    for (std::int64_t k = 0; k < 2 * m; ++k)
+        rdpm::require(id[k] < n, "impact_speed: must have a value for each body of the pairs");
     const auto* s = checked_rows<contacts::ContactState>(state, "state", m);
     double* speed = impact_speed.checked("impact_speed", {n});
     nb::gil_scoped_release unlocked;

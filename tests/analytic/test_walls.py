@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rdpm.contacts import Contacts, HardSphere, Hertz, SoftSphere
+from rdpm.contacts import Contacts, HardSphere, Hertz, Lubrication, SoftSphere
 from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 from rdpm.surfaces import Cylinder, Plane
@@ -145,3 +145,31 @@ def test_a_plane_bounds_lubrication_and_gaps() -> None:
     gap, rate = gaps_and_rates(body, contacts.box, np.array([[0, -8]], np.int32))
     assert gap[0] == pytest.approx(0.3 * D)
     assert rate[0] == pytest.approx(-0.1 * np.cos(0.3))
+
+
+def test_lubrication_to_a_cylinder_is_the_pressure_of_its_film() -> None:
+    """Reynolds' equation over g + x^2/(2 R_1) + y^2/(2 R_2), the pressure summed over the film."""
+    mu, a, gap = 0.1, 5e-3, 1e-6
+    for curvature in (0.0, -1 / 0.012, 1 / 0.02):
+        row = Lubrication(mu, 1e-3).rows_of_inner_walls(np.array([a]), np.array([curvature]))[0]
+        first, second = 1 / (1 / a + curvature), a
+        # In units of sqrt(2 R g) along each axis the pressure is C / (g (1 + r^2))^2, C = 6 mu / (1/R_1 + 1/R_2).
+        r = np.linspace(0.0, 200.0, 200_001)
+        film = np.trapezoid(2 * np.pi * r / (1 + r**2) ** 2, r) * 2 * np.sqrt(first * second) / gap
+        assert row["inverse"] / gap == pytest.approx(6 * mu / (1 / first + 1 / second) * film, rel=1e-4)
+
+
+def test_a_film_that_breaks_holds_back_no_sphere_that_parts() -> None:
+    """Without lubrication in separation an approach is the same, and a sphere that leaves keeps its speed."""
+    left = {}
+    for separation in (1.0, 0.0):
+        for speed in (-0.01, 0.01):
+            ball = Bodies(
+                np.array([D]), np.array([DENSITY]), np.array([[0.5, 0.5, A + 1e-5]]), np.array([[0, 0, speed]])
+            )
+            film = Lubrication(0.01, 1e-3, separation=separation)
+            contacts = Contacts(ball, Box((1.0, 1.0, 1.0)), _soft(0.0), film)
+            contacts.advance(0.0, 1e-4, np.zeros((1, 3)), np.zeros((1, 3)))
+            left[separation, speed] = ball.velocity[0, 2]
+    assert left[0.0, -0.01] == left[1.0, -0.01] > -0.01
+    assert left[0.0, 0.01] == 0.01 > left[1.0, 0.01]

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from rdpm.cli.main import main
-from rdpm.studies import bench
+from rdpm.studies import bench, dry_bed
 
 
 @pytest.fixture
@@ -44,3 +44,32 @@ def test_bench_prints_a_line_a_case(small_case, capsys) -> None:
     assert "GB/s" in lines[0]
     assert lines[-1].startswith("small")
     assert "us a marker" in lines[-1]
+
+
+def test_a_dry_bed_is_timed_beside_lammps(monkeypatch, capsys) -> None:
+    monkeypatch.setattr(dry_bed, "BEDS", {"tiny": 4})
+    monkeypatch.setattr(dry_bed, "SECONDS", 0.0)
+    monkeypatch.setattr(dry_bed, "available_threads", lambda: 1)
+    monkeypatch.setattr(bench, "BEDS", dry_bed.BEDS)
+    assert main(["bench", "tiny", "--json"]) == 0
+    (bed,) = json.loads(capsys.readouterr().out)["beds"]
+    rows = [row for row in bed["rows"] if row["program"] == "rdpm"]
+    assert [row["substeps_per_contact"] for row in rows] == [dry_bed.SUBSTEPS, dry_bed.FEWEST]
+    # The sub-steps here locate touch and end: an error of second order, from the fewest on below 0.1 %.
+    assert rows[0]["restitution_error"] < rows[1]["restitution_error"] < 1e-3
+    assert all(row["bodies"] == 64 and row["us"] > 0.0 for row in bed["rows"])
+    if bed["lammps"]:
+        assert bed["rows"][-1]["program"] == "LAMMPS"
+        assert bed["rows"][-1]["restitution_error"] > rows[1]["restitution_error"]
+
+
+def test_without_lammps_the_bed_is_timed_alone_and_says_so(monkeypatch) -> None:
+    monkeypatch.setattr(dry_bed, "BEDS", {"tiny": 3})
+    monkeypatch.setattr(dry_bed, "SECONDS", 0.0)
+    monkeypatch.setattr(dry_bed, "available_threads", lambda: 1)
+    monkeypatch.setattr(dry_bed, "find_lammps", lambda: None)
+    told: list[str] = []
+    bed = dry_bed.dry_bed("tiny", told.append)
+    assert not bed["lammps"]
+    assert {row["program"] for row in bed["rows"]} == {"rdpm"}
+    assert any("LAMMPS is not installed" in line for line in told)

@@ -41,6 +41,11 @@ def test_rounded_fields_keep_within_what_was_told(tmp_path):
     assert written(tmp_path, CHANGES) < disk.most + HEADER
 
 
+def test_more_quantities_take_more():
+    plain, more = told(CHANGES), told([*CHANGES, "output.vorticity=true", "output.q_criterion=true"])
+    assert more.most == pytest.approx(2 * plain.most)
+
+
 def test_first_run_leaves_less_than_100_mb_of_fields():
     """As measured with the shipped case: 42.7 MB for 41 pictures of 787320 cells, so 1.33 bytes a cell."""
     disk = told([])

@@ -16,7 +16,7 @@ from rdpm.io.tables import CONTACT_COLUMNS, PARTICLE_COLUMNS, TableWriter, read_
 def test_numbers_read_back_bit_for_bit(tmp_path):
     rng = np.random.default_rng(3)
     rows = rng.standard_normal((50, len(PARTICLE_COLUMNS))) * 10.0 ** rng.integers(-300, 300, (50, 1))
-    rows[:, 1], rows[:, -1] = np.arange(50), -7
+    rows[:, 1], rows[:, PARTICLE_COLUMNS.index("neighbour")] = np.arange(50), -7
     with TableWriter(tmp_path / "particles.csv", PARTICLE_COLUMNS) as table:
         table.write(rows)
     back = read_table(tmp_path / "particles.csv")

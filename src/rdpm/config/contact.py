@@ -114,7 +114,7 @@ class Contact(Model):
     lubrication_roughness
         Gap over radius below which the lubrication force no longer grows.
     lubrication_in_separation
-        Whether lubrication also holds back surfaces that part; false for a film that breaks instead of pulling.
+        Whether lubrication also holds back surfaces that part; false where the liquid breaks instead of pulling.
     overlap_warning
         Overlap over the smaller diameter above which a design or a run warns: deeper contacts disturb the flow.
     overlap_limit

@@ -53,7 +53,7 @@ class Lubrication:
         Reduced radius :math:`a_r` that these two belong to; for others they go as :math:`a_r^{2/3}`. The same for all
         when left out. > 0.
     separation : float, [-]
-        Fraction of the resistance where the surfaces part, 0 to 1: 0 for a film that breaks instead of pulling.
+        Fraction of the resistance where the surfaces part, 0 to 1: 0 where the liquid breaks instead of pulling.
 
     Raises
     ------
@@ -154,7 +154,7 @@ class Lubrication:
     def rows_of_inner_walls(self, radius: Floats, curvature: Floats) -> Rows:
         r"""Coefficients and gaps of spheres and walls within the box.
 
-        The squeezed film between a sphere and a cylinder has two radii, :math:`R_1=1/(1/a+\kappa)` across the axis and
+        The gap between a sphere and a cylinder has two radii, :math:`R_1=1/(1/a+\kappa)` across the axis and
         :math:`R_2=a` along it, and :math:`12\pi\mu\sqrt{R_1R_2}/(1/R_1+1/R_2)` instead of
         :math:`6\pi\mu a^2` [3]_; the logarithmic term is that of a plane. Such a wall is held by markers, as a body is:
         the grid resolves it as it resolves two bodies.

@@ -27,7 +27,9 @@ SKIN_STEPS, MOST_SKIN, LEAST_SKIN = 3.0, 0.25, 0.02
 
 @dataclass
 class Selection:
-    """Of a list, the pairs that may meet in one step, in the order in which they act; a view that the next step overwrites.
+    """Of a list, the pairs that may meet in one step, in the order in which they act.
+
+    Views that the next step overwrites.
 
     Parameters
     ----------
@@ -62,7 +64,7 @@ class Selection:
 
 
 class NeighbourList:
-    """Pairs within reach of each other, kept until two bodies may have moved further towards each other than allowed for.
+    """Pairs within reach of each other, kept until bodies may have moved further than it allows for.
 
     The bodies are ranked by layer of cells along z, then by cell, then by position: the order of the pairs is that of
     their bodies, whatever the ids. A layer is as thick as the largest diameter and the reach, so that a pair lies in

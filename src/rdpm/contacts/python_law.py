@@ -94,6 +94,8 @@ class PythonDriver:
         if len(table.lubrication):
             raise CaseError("contact.lubrication", True, "must be false with a law of Python's",
                             "it has no lubrication", "Leave it out.")  # fmt: skip
+        if not len(rows):
+            return
         facts = pairs_of(b, task.box, table.ids)
         step.substeps = 2 * ceil(0.5 * task.substeps_per_contact * task.dt / self.contact_time)
         h = task.dt / step.substeps

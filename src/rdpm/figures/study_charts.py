@@ -170,7 +170,7 @@ def chart(
             stack[-1].set_xscale("log")
         if ticks is not None:
             values = np.unique(np.asarray(ticks, np.float64))
-            stack[-1].set_xticks(values, [f"{value:g}" for value in values])
+            stack[-1].set_xticks(values, _tick_labels(values))
             stack[-1].minorticks_off()
         for axes in stack:
             if axes.get_legend_handles_labels()[1]:
@@ -178,6 +178,18 @@ def chart(
                             else (1.0, 1.0))  # fmt: skip
         figure.align_ylabels()
         return save(figure, path, caption)
+
+
+def _tick_labels(values: Floats) -> list[str]:
+    """Values as text; long ones with two digits, where these tell them apart.
+
+    Examples
+    --------
+    >>> _tick_labels(np.array([4.0, 8.0, 12.5])), _tick_labels(np.array([0.001521, 0.003042]))
+    (['4', '8', '12.5'], ['0.0015', '0.003'])
+    """
+    whole, short = [f"{value:g}" for value in values], [f"{value:.2g}" for value in values]
+    return short if max(map(len, whole)) > 6 and len(set(short)) == len(values) else whole
 
 
 def _draw_panel(axes: Axes, panel: Panel) -> None:

@@ -80,5 +80,3 @@ def dot_chart(
         ]
         figure.legend(handles=handles, loc="outside upper right", ncols=2)
         return save(figure, path, caption)
-
-

@@ -44,7 +44,7 @@ def rounded(values: Values, tolerance: float) -> Values:
         return values
     quantum = np.float32(2.0 ** math.floor(math.log2(2.0 * tolerance * top)))
     whole = np.rint(values / quantum)
-    whole += np.float32(0.0)   # no negative zero
+    whole += np.float32(0.0)  # no negative zero
     return np.asarray(whole * quantum, np.float32)
 
 

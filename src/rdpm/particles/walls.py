@@ -147,7 +147,7 @@ class WallMarkers:
     def impose_no_slip(self, velocity: tuple[Floats, Floats, Floats], dt: float) -> None:
         """Change the fluid's velocity to that of the walls, in one pass of direct forcing, and the forces with it.
 
-        Behind the reach of the markers the fluid moves with the wall, and is at rest deeper: a flow there would act on
+        Behind the markers' deltas the fluid moves with the wall, and is at rest deeper: a flow there would act on
         the markers.
         """
         self._stencils.interpolate(self.grid.core, *velocity, self._at_markers)

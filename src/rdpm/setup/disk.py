@@ -10,11 +10,8 @@ from rdpm.io.sphere_surface import surface_level
 
 __all__ = ["FieldsDisk", "bodies_disk", "checkpoint_bytes", "fields_disk", "run_disk", "size_text", "tables_disk"]
 
-#: Velocity and pressure of a cell in single precision [bytes].
-CELL = 16
-
-#: Values of a cell.
-VALUES = 4
+#: A value in single precision [bytes].
+VALUE = 4
 
 #: Part of the largest size that rounded fields take where most of the fluid is hardly disturbed.
 QUIET = 0.25
@@ -93,10 +90,11 @@ def fields_disk(case: Case, cells: tuple[int, int, int] | None, steps: int, star
     if cells is None or not every:
         return None
     count = min(_times(case, every, start), steps + 1)
-    values = count * math.prod(cells)
+    each = 4 + (3 if case.output.vorticity else 0) + (1 if case.output.q_criterion else 0)
+    values = count * each * math.prod(cells)
     if tolerance == 0.0:
-        return FieldsDisk(count, CELL * values, CELL * values)
-    most = min(VALUES * math.log2(1.0 / tolerance) / 8.0, CELL) * values
+        return FieldsDisk(count, VALUE * values, VALUE * values)
+    most = min(math.log2(1.0 / tolerance) / 8.0, VALUE) * values
     return FieldsDisk(count, int(QUIET * most), int(most))
 
 
@@ -154,8 +152,7 @@ def run_disk(case: Case, cells: tuple[int, int, int] | None, steps: int) -> dict
     output, bodies, flow = case.output, len(case.expanded_bodies()), fields_disk(case, cells, steps)
     found = {name: (size, size) for name, size in tables_disk(case).items()}
     if flow:
-        extra = (12 if output.vorticity else 0) + (4 if output.q_criterion else 0)
-        found["fields.vtkhdf"] = flow.least * (CELL + extra) // CELL, flow.most * (CELL + extra) // CELL
+        found["fields.vtkhdf"] = flow.least, flow.most
     once: dict[str, int] = {}
     if output.fields_every:
         once["bodies.vtkhdf"] = bodies_disk(bodies, min(_times(case, output.fields_every), steps + 1))
@@ -165,7 +162,7 @@ def run_disk(case: Case, cells: tuple[int, int, int] | None, steps: int) -> dict
         once["lines.csv"] = SAMPLE * samples * sum(line.count for line in output.lines)
         pictures = min(_times(case, output.planes_every or case.time.end), steps + 1)
         layers = (math.prod(cells) // cells["xyz".index(plane.normal)] for plane in output.planes)
-        once["planes"] = CELL * pictures * sum(layers)
+        once["planes"] = 4 * VALUE * pictures * sum(layers)
         once["averages.vtkhdf"] = AVERAGE * math.prod(cells) if output.average_from is not None else 0
     once["checkpoints"] = output.checkpoints_kept * checkpoint_bytes(case, cells)
     once["figures and report"] = REPORT if output.report else 0

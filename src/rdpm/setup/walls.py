@@ -32,7 +32,7 @@ def check_room_behind(case: Case, h: float) -> None:
         if wall.side != "inside" or not (wall.angular_velocity or any(wall.velocity)):
             continue
         axis = np.array(wall.direction) / np.linalg.norm(wall.direction)
-        across = np.sqrt(np.maximum(1.0 - axis**2, 0.0))  # of the direction's reach of a circle about the axis
+        across = np.sqrt(np.maximum(1.0 - axis**2, 0.0))  # how far a circle about the axis extends
         point, size = np.array(wall.point), np.array(case.domain.size)
         reach = (0.5 * (wall.diameter or 0.0) + ROOM_BEHIND * h) * across
         is_crossed = np.abs(axis) > 1e-9  # the tube leaves through these faces

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -17,7 +18,6 @@ from rdpm.figures.video import Scene, make_video, side_by_side
 from rdpm.results.run_folder import RunFolder
 from rdpm.studies.claims.talk_design import DIAMETER, TALK_MASS, TIME_STEP
 from rdpm.studies.kept_flow import load_flow
-from rdpm.studies.measures import QUANTITIES
 from rdpm.studies.names import parameter
 from rdpm.studies.pictures import Picture, Sweep, spread_rows, sweep_of
 from rdpm.studies.results import StudyResults
@@ -86,6 +86,8 @@ def draw_restitution(results: StudyResults, folder: Path) -> list[Picture]:
     ]
     overdamped = int(np.isnan(wanted).sum())
     caption = sweep.about(sweep.runs()[0])
+    if sweep.key == "fluid.viscosity":
+        caption += " Viscosity varied."
     if overdamped:
         caption += f" {overdamped} of {len(x)} runs have no designed restitution: their contact is overdamped."
     path = chart(
@@ -128,7 +130,7 @@ def draw_wet_restitution(results: StudyResults, folder: Path) -> list[Picture]:
         Curve("Legendre et al. 2005", line, np.asarray(design.legendre(target, line)), PALETTE[1]),
     ]
     if (seen & bare).any():
-        label = "without, film lost to the grid"
+        label = "without: the grid alone"
         curves.insert(1, Curve(label, stokes[seen & bare], wet[seen & bare], PALETTE[2], "points"))
     limits = ((dry, "dry, simulated"),) if dry is not None else ()
     wet_run = sweep.runs()[int(np.flatnonzero(seen)[0])]
@@ -145,10 +147,14 @@ def draw_convergence(results: StudyResults, folder: Path) -> list[Picture]:
     """Difference to the run with the smallest time step."""
     sweep = _swept(results)
     dt, panels = sweep.values, []
-    for n, quantity in enumerate(("end_height_m", "settling_speed_max_m_s", "end_gap_m")):
+    compared = {
+        "end_height_m": "height at the end", "settling_speed_max_m_s": "largest settling speed",
+        "end_gap_m": "gap at the end",
+    }  # fmt: skip
+    for n, (quantity, label) in enumerate(compared.items()):
         values = sweep.column(quantity)
         error = 100.0 * np.abs(values[1:] / values[0] - 1.0)
-        label, seen = QUANTITIES[quantity].meaning, np.where(error > 0, error, np.nan)
+        seen = np.where(error > 0, error, np.nan)
         panels.append(Curve(label, dt[1:], seen, PALETTE[n], "both"))
     base = float(np.nanmax([np.nanmax(np.asarray(curve.y)) for curve in panels]))
     for power, look in ((1, "dashed"), (2, "line")):
@@ -199,7 +205,9 @@ def draw_videos(results: StudyResults, folder: Path) -> list[Picture]:
         own = results.run_folder(str(row["run"]), str(row["study"]))
         start = by_name.get(starts[own].start)
         flow = load_flow(own, results.folder.work(start).path if start else None)
-        plane = flow[0] if flow else viewing_plane(run.tracks, run.box, run.gravity, run.period, run.walls)
+        plane = viewing_plane(run.tracks, run.box, run.gravity, run.period, run.walls)
+        if flow:
+            plane = replace(flow[0], walls=run.walls)
         title = (f"{parameter(sweep.key).plain} = {row[sweep.key]:g} {parameter(sweep.key).unit}" if sweep.key
                  else str(row["run"]))  # fmt: skip
         scenes.append(Scene(title, run.box, run.period, plane, run.diameter, run.tracks, flow[1] if flow else None))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import astuple
 from pathlib import Path
 
 import numpy as np
@@ -32,8 +31,9 @@ def keep_plane(files: RunFolder) -> None:
     slices = load_slices(run.fields, plane)
     with replacing(files.path / _NAME) as temporary, open(temporary, "wb") as file:
         np.savez_compressed(
-            file, plane=np.array(astuple(plane)), times=slices.times, across=slices.across.astype(np.float16),
-            up=slices.up.astype(np.float16), speed=slices.speed.astype(np.float16),
+            file, plane=np.array([plane.across, plane.up, plane.normal, plane.position]), times=slices.times,
+            across=slices.across.astype(np.float16), up=slices.up.astype(np.float16),
+            speed=slices.speed.astype(np.float16),
         )  # fmt: skip
 
 

@@ -129,7 +129,7 @@ def findings(results: StudyResults, judged: Judged) -> list[str]:
         for verdict in ("confirmed", "contradicted", "conditional", "within the spread", "not judged")
     }
     told = ", ".join(f"{count} {verdict}" for verdict, count in counts.items() if count)
-    sentences = [f"Of {len(judged)} statements {told}."]
+    sentences = [f"Of {len(judged)} statements {told}." if len(judged) > 1 else f"One statement: {told[2:]}."]
     for verdict in ("confirmed", "contradicted", "conditional", "within the spread"):
         items = sorted((item for item in judged if item["verdict"] == verdict), key=lambda item: not item["runs"])
         if items and len(sentences) < 3:
@@ -191,7 +191,10 @@ def _verdicts(judged: Judged) -> Block:
 def _table(part: StudyResults) -> Block:
     mine = [row["parameters"] for row in part.index["rows"] if row["study"] == part.name]
     parameters: dict[str, Any] = mine[0] if mine else {}
-    keys = [key for key in parameters if key in part.table and not key.startswith(("bodies", "time."))]
+    keys = [
+        key for key in parameters
+        if key in part.table and not key.startswith(("bodies", "time.")) and part.table[key].nunique() > 1
+    ]  # what one run alone lacks, as a dry one its fluid, tells the others not apart
     keys += ["time.step"] if "time.step" in parameters and "time.step" in part.table else []
     measures = [column for column in SHORT if column in part.table and part.table[column].notna().any()]
     heads = ["run", *(_head(parameter(key).plain, parameter(key).unit) for key in keys)]
@@ -256,7 +259,8 @@ def _markdown(block: Block, home: Path, images: Path, prefix: str) -> str:
         rows = (heads, ("---",) * len(heads), *block.rows)
         return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows if row)
     if block.path is not None and block.kind == "picture":
-        name = f"{prefix}_{block.path.parent.name}_{block.path.name}".replace("-", "_")
+        part = "" if block.path.parent.name == prefix else f"_{block.path.parent.name}"
+        name = f"{prefix}{part}_{block.path.name}".replace("-", "_")
         with replacing(images / name) as temporary:
             temporary.write_bytes(block.path.read_bytes())
         return f"![{block.text}]({Path(os.path.relpath(images / name, home)).as_posix()})\n\n*{block.text}*"

@@ -109,7 +109,9 @@ class Sweep:
     def about(self, run: Run) -> str:
         """What was run, as a caption."""
         contact, parts = run.case.get("contact", {}), []
-        if "lubrication" in contact and self.key != "contact.lubrication":
+        if len({row.get("contact.lubrication", contact.get("lubrication")) for row in self.rows}) == 1 and (
+            "lubrication" in contact and self.key != "contact.lubrication"
+        ):
             parts.append("with lubrication" if contact["lubrication"] else "no lubrication")
         parts += [
             value_text(f"contact.{key}", contact[key], formula=False)

@@ -218,7 +218,7 @@ def _limit(expected: Limit, rows: Rows, spreads: Spreads) -> Judgement:
 
 
 def _label(value: Any) -> str:
-    return f"{float(value):g}" if isinstance(value, Real) else str(value)
+    return f"{float(value):.4g}" if isinstance(value, Real) else str(value)
 
 
 def _insensitive(expected: Insensitive, rows: Rows, spreads: Spreads) -> Judgement:

@@ -68,8 +68,9 @@ RUN_CLAIMS = (
           "The pair is pressed together, hardly thrown: both models keep it apart, and the flow does the rest.",
           {LUBRICATION: False}),
     Claim("small-steps-as-hard-sphere-in-a-rebound", "For small N_c the scheme approaches a hard sphere: an impact.",
-          _STEPS_SLIDE, Approaches(("wet_restitution", "rebound_height_m"), STEPS, {MODEL: "hard-sphere"}),
-          "A contact of N_c steps lets the fluid act on the sphere for as long; a hard sphere turns round at once.",
+          _STEPS_SLIDE, Approaches(("wet_restitution",), STEPS, {MODEL: "hard-sphere"}),
+          "A hard sphere turns round within one time step, and must turn the fluid about it in the same step; a soft "
+          "contact turns both over its N_c steps.",
           {LUBRICATION: False}),
     Claim("models-alike", "The choice of the contact model leaves the kiss and the tumble alone.", _MODELS_SLIDE,
           Alike(_HARD_MOTION), "A contact keeps the pair apart, at its own distance; the flow turns it.",
@@ -85,8 +86,8 @@ RUN_CLAIMS = (
     Claim("dry-for-wet-in-a-rebound", "Dry collisions approximate collisions in a viscous fluid: a rebound from a wall "
           "keeps nine tenths of the dry restitution.", "Soft sphere collision parameters N_c and e_n",
           Limit("wet_restitution", 0.9 * DRY_RESTITUTION, False, "approach_stokes_number"),
-          "The film takes the impact: nothing is left near a Stokes number of 10, nearly all above some hundreds "
-          "(Gondret et al. 2002).", {LUBRICATION: True}),
+          "Near a Stokes number of 10 lubrication takes the whole impact (Gondret et al. 2002); at 1000 the fluid that "
+          "moves with the sphere still takes a tenth, in a contact of eight steps.", {LUBRICATION: True}),
     Claim("dry-for-wet-by-lubrication", "Dry collisions approximate collisions in a viscous fluid: lubrication changes "
           "nothing.", "Soft sphere collision parameters N_c and e_n",
           Insensitive(("contact_kisses", "contact_kiss_total_s", "tumble_start_s", "gap_kiss_total_s"), LUBRICATION),

@@ -132,8 +132,13 @@ def finer(case: Case, contact_steps: float, dt: float, end: float) -> list[dict[
 
 
 def measured(
-    coarse: Mapping[str, Any], run: Run | None, names: tuple[str, str], status: tuple[str, str],
-    limits: tuple[float, float], is_other: Callable[[Any, Any], bool], cells: tuple[float, float],
+    coarse: Mapping[str, Any],
+    run: Run | None,
+    names: tuple[str, str],
+    status: tuple[str, str],
+    limits: tuple[float, float],
+    is_other: Callable[[Any, Any], bool],
+    cells: tuple[float, float],
     dt: tuple[float, float],
 ) -> Confirmation:
     """Compare the chosen row of a tuning with the finer run.
@@ -160,7 +165,8 @@ def measured(
     if run is not None:
         values = columns(run)
         fine = dict(values) | {
-            "overlap_fraction": values["max_overlap_fraction"], "work_fraction": work_fraction(run),
+            "overlap_fraction": values["max_overlap_fraction"],
+            "work_fraction": work_fraction(run),
         }
     rows = []
     for name in dict.fromkeys((*COMPARED, measure, outcome)):
