@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from time import perf_counter
+from types import TracebackType
 from typing import Any, Protocol
 
 import numpy as np
@@ -176,6 +178,11 @@ def world() -> Ranks:
     CaseError
         A launcher started several, but mpi4py is not installed, or is that of another MPI.
 
+    Notes
+    -----
+    MPICH's own way of sharing within a machine waits milliseconds where there are more ranks than processors: another
+    is chosen, unless the environment says which.
+
     Examples
     --------
     >>> world().size
@@ -189,6 +196,8 @@ def world() -> Ranks:
         import mpi4py
 
         mpi4py.rc.thread_level = "funneled"
+        for name in ("BCAST", "BARRIER", "REDUCE", "ALLREDUCE"):
+            os.environ.setdefault(f"MPIR_CVAR_{name}_POSIX_INTRA_ALGORITHM", "mpir")
         from mpi4py import MPI
     except (ImportError, RuntimeError) as error:
         raise CaseError(
@@ -202,4 +211,13 @@ def world() -> Ranks:
             f"mpi4py works with {library}, the launcher is that of another MPI",
             "Use that MPI's own mpiexec; with srun choose the interface by --mpi=pmi2 or --mpi=pmix.",
         )  # fmt: skip
-    return MpiRanks(MPI.COMM_WORLD)
+    ranks = MpiRanks(MPI.COMM_WORLD)
+    sys.excepthook = partial(_end_all, ranks)
+    return ranks
+
+
+def _end_all(ranks: Ranks, kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+    """What a script of the user's does not catch on one rank ends all: the others would wait for ever."""
+    sys.__excepthook__(kind, error, trace)
+    sys.stderr.flush()
+    ranks.abort(getattr(error, "exit_code", 1))

@@ -279,6 +279,7 @@ class _Run:
             self.saved = saved = None  # the arrays are no longer needed
             status = self._advance(recorder, checkpoints)
             recorder.close()
+        self._tell_messages()
         summary = on_root(self.ranks, lambda: self._summarise(recorder, status))
         for warning in summary.warning_details:
             self.teller.warn(warning)
@@ -319,6 +320,14 @@ class _Run:
                 self._tell_last_good()
             raise
         return status
+
+    def _tell_messages(self) -> None:
+        """What the ranks had to say to each other, into the log."""
+        ranks, steps = self.ranks, max(1, self.simulation.steps)
+        if ranks.size > 1:
+            told = f"{ranks.seconds:.3g} s in messages of rank 0"
+            sent = f"{ranks.messages / steps:.1f} of them and {1e-6 * ranks.sent_bytes / steps:.3g} MB a step sent"
+            self.teller.note(f"{ranks.size} ranks: {told}, {sent}", is_shown=False)
 
     def _summarise(self, recorder: Recorder, status: str) -> Summary:
         summary = summarise(self.simulation, recorder, self.files, status, self.teller.warnings)
