@@ -73,7 +73,8 @@ def test_only_a_fluid_flows_in():
 
 def test_walls_within_the_box_are_refused():
     wall = {"shape": "plane", "point": [0, 0, 0.002], "normal": [0, 0, 1]}
-    with pytest.raises(CaseError, match=r"^walls: (walls: )?must be left out with domain\.inflow .*Use the boundaries beside"):
+    said = r"^walls: (walls: )?must be left out with domain\.inflow .*Use the boundaries beside"
+    with pytest.raises(CaseError, match=said):
         load_case("stream").replace({"walls": [wall]})
 
 

@@ -64,10 +64,10 @@ class Selection:
 
 
 class NeighbourList:
-    """Pairs within reach of each other, kept until bodies may have moved further than it allows for.
+    """Pairs within a cutoff of each other, kept until bodies may have moved further than it allows for.
 
     The bodies are ranked by layer of cells along z, then by cell, then by position: the order of the pairs is that of
-    their bodies, whatever the ids. A layer is as thick as the largest diameter and the reach, so that a pair lies in
+    their bodies, whatever the ids. A layer is as thick as the largest diameter and the cutoff, so that a pair lies in
     one layer or in two that touch.
 
     Parameters

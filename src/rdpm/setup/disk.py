@@ -140,7 +140,7 @@ def run_disk(case: Case, cells: tuple[int, int, int] | None, steps: int) -> dict
     -------
     dict of str to (int, int), [bytes]
         By file; both are equal but for rounded fields. A row a contact in ``contacts.csv`` and tables of the user's own
-        are not foreseen.
+        are not counted.
 
     Examples
     --------

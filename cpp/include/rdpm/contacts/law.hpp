@@ -75,8 +75,8 @@ decltype(auto) row_of(const typename Law::Parameters& row, [[maybe_unused]] type
         return (row);
 }
 
-// A law whose force acts before the surfaces touch. Without that member a pair whose surfaces do not overlap in
-// a sub-step has no window in it, and is not asked.
+// A law whose force acts before the surfaces touch. Without that member a pair whose surfaces do not overlap
+// in a sub-step has no window in it, and is not asked.
 template <class Law>
 concept DistantLaw = ContactLaw<Law> && requires { requires Law::acts_at_distance; };
 
