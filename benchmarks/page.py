@@ -1,11 +1,12 @@
 """Speed of the page: how fast pages open, how fast the scene moves, what watching costs a run.
 
-``python benchmarks/page.py`` needs chromium, the extra `test`, and an idle machine for its wall times; the cost of watching is in
-processor time, which other work disturbs less.
+``python benchmarks/page.py`` needs chromium, the extra `test`, and an idle machine for its wall times; the cost of
+watching is in processor time, which other work disturbs less. ``pages``, ``scene`` or ``watching`` alone may be named.
 """
 
 from __future__ import annotations
 
+import os
 import sys
 import tempfile
 import threading
@@ -16,10 +17,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "app"))
 
-from browser import browsing, serving  # noqa: E402
+from browser import browsing, serving
 
-from rdpm.io.lock import locked  # noqa: E402
-from rdpm.io.tables import PARTICLE_COLUMNS, TableWriter  # noqa: E402
+from rdpm.io.lock import locked
+from rdpm.io.tables import PARTICLE_COLUMNS, TableWriter
 
 COUNT, RATE, SECONDS = 1000, 10.0, 12.0
 TANK = """title = "A sphere that is watched"
@@ -55,8 +56,6 @@ step = "1 ms"
 def processor_seconds(process):
     """User and system time of a process."""
     fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
-    import os
-
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
@@ -65,7 +64,7 @@ def pages(folder):
     with serving(folder) as address, browsing(address) as (page, _):
         base = address.partition("/?")[0]
         for path in ("/design", "/cases", "/cases?shipped=dkt", "/runs"):
-            page.goto(base + path)   # the first time fills the browser's cache
+            page.goto(base + path)  # the first time fills the browser's cache
         for path in ("/design", "/cases", "/cases?shipped=dkt", "/runs"):
             begun = time.perf_counter()
             page.goto(base + path)
@@ -82,7 +81,7 @@ def writing(folder, stop):
         while not stop.is_set():
             rows = np.zeros((COUNT, len(PARTICLE_COLUMNS)))
             rows[:, 0], rows[:, 1] = n / RATE, np.arange(COUNT)
-            rows[:, 2:5] = (position + [0.0, 0.0, -0.001 * n]) % 0.1
+            rows[:, 2:5] = ([*position, 0.0, 0.0, -0.001 * n]) % 0.1
             rows[:, 8:11] = 3.0
             table.write(rows)
             table.flush()
@@ -114,8 +113,6 @@ def scene(folder):
 
 def watching(folder):
     """Processor time of the page's server over that of the run it watches."""
-    import os
-
     (Path(folder) / "tank.toml").write_text(TANK)
     with serving(folder) as address, browsing(address) as (page, _):
         base = address.partition("/?")[0]
@@ -129,15 +126,16 @@ def watching(folder):
         page.wait_for_timeout(2000.0 * SECONDS)
         after = processor_seconds(parent), processor_seconds(run), time.perf_counter()
         server, solver, wall = (b - a for a, b in zip(before, after, strict=True))
-        print(f"watched for {wall:.0f} s: the run took {solver:.2f} s of processor time, the page's server {server:.2f} s: "
-              f"{100 * server / solver:.1f} %, {100 * server / wall / (os.cpu_count() or 1):.1f} % of the machine")  # fmt: skip
+        of_machine = 100 * server / wall / (os.cpu_count() or 1)
+        print(f"watched for {wall:.0f} s: the run took {solver:.2f} s of processor time, the server {server:.2f} s:")
+        print(f"{100 * server / solver:.1f} %, {of_machine:.1f} % of the machine")
         page.get_by_role("button", name="Stop").click()
         page.get_by_role("button", name="Stop now").click()
         page.wait_for_timeout(3000)
 
 
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as place:
-        pages(place)
-        scene(place)
-        watching(place)
+    parts = {"pages": pages, "scene": scene, "watching": watching}
+    for name in sys.argv[1:] or parts:
+        with tempfile.TemporaryDirectory() as place:
+            parts[name](place)

@@ -27,7 +27,8 @@ def hint_of(entry: Entry) -> str:
 
     Examples
     --------
-    >>> hint_of(next(entry for entry in describe(Case)[4]["table"] if entry["name"] == "contact_steps"))
+    >>> from rdpm.config.contact import Contact
+    >>> hint_of(next(entry for entry in describe(Contact) if entry["name"] == "contact_steps"))
     'Duration of every contact in fluid steps; with `restitution`. At least 4, at most 1000.'
     """
     limits = [
@@ -149,8 +150,13 @@ class CaseForm:
             self.changed(at, {} if is_given else None)
 
     def _add_group(self, at: Path) -> None:
-        """Put one body into the middle of the box, like those of the first group."""
+        """Add a table: an empty one, or one body like those of the first group."""
         groups = found_at(self._values, at)
+        if at != ("bodies",):
+            self.changed(
+                (*at, len(groups)) if isinstance(groups, list) else at, {} if isinstance(groups, list) else [{}]
+            )
+            return
         first = groups[0] if isinstance(groups, list) and groups and isinstance(groups[0], dict) else {}
         alike = {"diameter": first.get("diameter", "10 mm"), "density": first.get("density", "2500 kg/m^3")}
         group = alike | {"centers": [["0 m", "0 m", "0 m"]]}

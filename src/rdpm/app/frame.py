@@ -54,7 +54,7 @@ def frame(title: str, active: str = "") -> Iterator[None]:
             ui.button(icon="contrast").props('flat dense round color=none aria-label="Light or dark"').classes("push")
         )
         light.on("click", js_handler=_TOGGLE)
-    with ui.element("main").props('id=main tabindex="-1"').classes("rdpm-main"):
+    with ui.element("div").props('id=main tabindex="-1"').classes("rdpm-main"):
         heading(title, 1)
         yield
 

@@ -104,11 +104,12 @@ class Guard:
         if not length.isdecimal() or len(length) > 12 or int(length) > self.largest:
             await _refuse(scope, receive, send, 413 if length.isdecimal() else 400, b"Too large.")
             return
-        taken, begun = 0, False
+        taken, begun, is_gone = 0, False, False
 
         async def counted() -> MutableMapping[str, Any]:
-            nonlocal taken
+            nonlocal taken, is_gone
             message = await receive()
+            is_gone = is_gone or message["type"] == "http.disconnect"
             taken += len(message.get("body") or b"")
             if scope["type"] == "http" and taken > self.largest:
                 raise _TooLarge
@@ -129,6 +130,8 @@ class Guard:
             if not begun:
                 await _refuse(scope, receive, send, 413, b"Too large.")
         except Exception:
+            if is_gone:  # whoever asked has left meanwhile
+                return
             _log.exception("%s %s", scope["type"], scope.get("path", "")[:200].encode("ascii", "replace").decode())
             if not begun:
                 await _refuse(

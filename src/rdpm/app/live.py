@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from rdpm.app.status import read_case
 from rdpm.errors import CaseError
 from rdpm.figures.plane import viewing_plane
-from rdpm.io.tables import CONTACT_COLUMNS, PARTICLE_COLUMNS
 from rdpm.io.vtkhdf import field_grid, field_times, read_plane
 from rdpm.results.run_folder import RunFolder
 
@@ -24,9 +23,14 @@ __all__ = ["Follower", "Frame", "LiveRun", "Slice"]
 Floats = NDArray[np.float64]
 
 _MOST_BYTES = 8 * 2**20  # read at once; of an older table the end only
+_MOST_HEAD = 65536  # bytes of a first line
 _MOST_POINTS = 3000  # of a curve; beyond, every other is dropped
 _FEW = 8  # bodies drawn one by one
-_P = {name: n for n, name in enumerate(PARTICLE_COLUMNS)}
+#: Columns of ``particles.csv`` that are drawn; others, which a run may add, are passed over.
+_DRAWN = (
+    "time_s", "id", "x_m", "y_m", "z_m", "u_m_s", "v_m_s", "w_m_s", "omega_x_rad_s", "omega_y_rad_s", "omega_z_rad_s",
+    "gap_m",
+)  # fmt: skip
 
 
 class Follower:
@@ -48,7 +52,9 @@ class Follower:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._at, self._file = 0, 0
+        self._at = 0
+        self.heads: list[str] = []
+        """Names of the columns, once they are there."""
         self.is_cut = False
         """Whether the beginning of the table was left out."""
 
@@ -60,12 +66,17 @@ class Follower:
                 if size < self._at:  # begun anew, or set back by a run that continues from a checkpoint
                     self._at = 0
                 is_first, start = self._at == 0, self._at
+                if is_first:
+                    file.seek(0)
+                    self.heads = file.readline(_MOST_HEAD).decode("utf-8", "replace").strip().split(",")
                 if size - start > _MOST_BYTES:
                     start, self.is_cut = size - _MOST_BYTES, True
                 file.seek(start)
                 data = file.read(size - start)
         except OSError:
             return b""
+        if is_first and b"\n" not in data:
+            return b""  # not even the head is whole
         if is_first or start != self._at:
             data = data.partition(b"\n")[2]  # the head, or half a line
         whole = data[: data.rfind(b"\n") + 1]
@@ -163,6 +174,7 @@ class LiveRun:
             self.box = np.array(domain.get("size", self.box), np.float64).reshape(3)
             self.gravity = np.array(domain.get("gravity", self.gravity), np.float64).reshape(3)
         self._seen_flow = (-1, -1)
+        self._waiting, self._bodies = np.empty((0, len(_DRAWN))), 0
 
     @property
     def is_cut(self) -> bool:
@@ -175,17 +187,41 @@ class LiveRun:
         return 0 if self.frame is None else len(self.frame.position)
 
     def read(self) -> bool:
-        """Take in new rows; tell whether there were any."""
-        rows = numbers(self._particles.lines(), len(PARTICLE_COLUMNS))
-        rows = rows[np.isfinite(rows[:, : _P["force_x_N"]]).all(axis=1)]
+        """Take in new rows; tell whether the bodies moved."""
+        before = self.frame
+        rows = self._new_rows()
         if self.times and len(rows) and rows[0, 0] <= self.times[-1]:
             self._drop_from(float(rows[0, 0]))
-        for one in _by_time(rows):
-            self._take(one)
+            self._waiting = self._waiting[:0]
+        self._take_whole(rows)
         self._take_contacts()
         while len(self.times) > _MOST_POINTS:
             self.times, self.settling, self.gap = self.times[::2], self.settling[::2], self.gap[::2]
-        return bool(len(rows))
+        return self.frame is not before
+
+    def _new_rows(self) -> Floats:
+        """New rows of the columns that are drawn; a row without a gap has no neighbour."""
+        data, heads = self._particles.lines(), self._particles.heads
+        if not data or not set(_DRAWN) <= set(heads):
+            return np.empty((0, len(_DRAWN)))
+        rows = numbers(data, len(heads))[:, [heads.index(name) for name in _DRAWN]]
+        return np.asarray(rows[np.isfinite(rows[:, :-1]).all(axis=1)])
+
+    def _take_whole(self, rows: Floats) -> None:
+        """Take in the times of which all bodies are there; rows of the last one may still be on their way."""
+        groups = _by_time(np.concatenate([self._waiting, rows]))
+        self._waiting = np.empty((0, len(_DRAWN)))
+        for n, one in enumerate(groups):
+            is_last = n == len(groups) - 1
+            if not self._bodies:
+                if is_last:
+                    self._waiting = one
+                elif n or not self.is_cut:
+                    self._bodies = len(one)
+            if len(one) == self._bodies:
+                self._take(one)
+            elif is_last:
+                self._waiting = one
 
     def _drop_from(self, time: float) -> None:
         keep = int(np.searchsorted(self.times, time))
@@ -194,10 +230,7 @@ class LiveRun:
 
     def _take(self, rows: Floats) -> None:
         rows = rows[np.argsort(rows[:, 1], kind="stable")]
-        if self.frame is not None and len(rows) != len(self.frame.position):
-            return  # cut by the end of what was read
-        time, position = float(rows[0, 0]), rows[:, _P["x_m"] : _P["z_m"] + 1]
-        velocity, omega = rows[:, _P["u_m_s"] : _P["w_m_s"] + 1], rows[:, _P["omega_x_rad_s"] : _P["omega_z_rad_s"] + 1]
+        time, position, velocity, omega = float(rows[0, 0]), rows[:, 2:5], rows[:, 5:8], rows[:, 8:11]
         before = self.frame
         upright = np.tile([0.0, 0.0, 0.0, 1.0], (len(rows), 1))
         rotation = upright if before is None else turned(before.rotation, omega * (time - before.time))
@@ -205,16 +238,15 @@ class LiveRun:
         fall = velocity @ _direction(self.gravity)
         self.times.append(time)
         self.settling.append(fall.tolist() if len(rows) <= _FEW else [fall.mean(), fall.min(), fall.max()])
-        gaps = rows[:, _P["gap_m"]]
+        gaps = rows[:, -1]
         self.gap.append(float(np.nanmin(gaps)) if np.isfinite(gaps).any() else math.nan)
 
     def _take_contacts(self) -> None:
         text = self._episodes.lines().decode("utf-8", "replace")
+        heads = self._episodes.heads
         for row in csv.reader(text.splitlines()):
-            with suppress(ValueError):
-                if len(row) == len(CONTACT_COLUMNS):
-                    values = zip(CONTACT_COLUMNS, row, strict=True)
-                    self.contacts.append({name: item if name == "kind" else float(item) for name, item in values})
+            if len(row) == len(heads):
+                self.contacts.append({name: _number(item) for name, item in zip(heads, row, strict=True)})
 
     def new_slice(self) -> Slice | None:
         """Read the newest stored picture of the flow, if there is a new one that is whole."""
@@ -253,6 +285,13 @@ class LiveRun:
         centre = (math.floor(position / spacing[plane.normal]) + 0.5) * spacing[plane.normal]
         centre = min(max(centre, 0.0), cells[plane.normal] * spacing[plane.normal])
         return Slice(float(field_times(path)[step]), plane.normal, centre, np.linalg.norm(layer, axis=-1))
+
+
+def _number(text: str) -> Any:
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def _by_time(rows: Floats) -> list[Floats]:

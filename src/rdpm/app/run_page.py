@@ -131,8 +131,7 @@ class RunPage:
                 self.curves["contacts"].set_visibility(bool(self.live.contacts))
         self.view.set_visibility(self.status.state != "done")
 
-    def _start_scene(self) -> None:
-        diameter = _diameters(self.files.case, self.live.count)
+    def _start_scene(self, diameter: Any) -> None:
         if not 0 < self.live.count <= _MOST_BODIES or diameter is None:
             return
         up = int(np.argmax(np.abs(self.live.gravity))) if self.live.gravity.any() else 2
@@ -165,7 +164,7 @@ class RunPage:
             if not is_new or frame_now is None:
                 return
             if self.scene is None:
-                self._start_scene()
+                self._start_scene(await run.io_bound(_diameters, self.files.case, self.live.count))
             if self.scene is not None:
                 self.scene.frame(frame_now.position, frame_now.rotation)
                 self.clock.set_content(f"t = {frame_now.time:.4g} s")
