@@ -42,9 +42,9 @@ def oil_case(**changes: Any) -> dict[str, Any]:
     return made
 
 
-def in_oil(threads: int = 1, **changes: Any) -> rdpm.Simulation:
+def in_oil(threads: int = 1, ranks: Any = None, **changes: Any) -> rdpm.Simulation:
     """A simulation of `oil_case`."""
-    return rdpm.Simulation(rdpm.load_case(oil_case(**changes)), threads=threads)
+    return rdpm.Simulation(rdpm.load_case(oil_case(**changes)), threads=threads, ranks=ranks)
 
 
 def pair_motion(times):

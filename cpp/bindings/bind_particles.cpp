@@ -70,20 +70,20 @@ class Markers {
         nb::gil_scoped_release released;
         spread(g, q, set_, values, volumes, factor);
     }
-    void inner_motion_of(const Grid& g, const In<double>& u, const In<double>& v, const In<double>& w,
-                         const In<double>& position, const In<double>& radius,
-                         const InOut<double>& motion) const {
+    void inner_sums_of(const Grid& g, const In<double>& u, const In<double>& v, const In<double>& w,
+                       const In<double>& position, const In<double>& radius,
+                       const InOut<double>& sums) const {
         require_placed(g);
         const VelocityView q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
         const int bodies = set_.bodies();
         const double* x = position.checked("position", {bodies, 3});
         const double* a = radius.checked("radius", {bodies});
-        double* out = motion.checked("motion", {bodies, 6});
+        double* out = sums.checked("sums", {bodies, 12});
         for (int b = 0; b < bodies; ++b)
             require(is_within_a_period(g, x + 3 * b, a[b]),
                     "position, radius: a body is not finite, or reaches more than a period beyond the box");
         nb::gil_scoped_release released;
-        inner_motion(g, q, set_, x, a, out);
+        inner_sums(g, q, set_, x, a, out);
     }
 
   private:
@@ -203,8 +203,8 @@ void bind_particles(nb::module_& module) {
         .def("interpolate", &Markers::interpolate_to, "grid"_a, "u"_a, "v"_a, "w"_a, "velocity"_a)
         .def("spread", &Markers::spread_from, "grid"_a, "u"_a, "v"_a, "w"_a, "value"_a, "volume"_a,
              "factor"_a)
-        .def("inner_motion", &Markers::inner_motion_of, "grid"_a, "u"_a, "v"_a, "w"_a, "position"_a,
-             "radius"_a, "motion"_a)
+        .def("inner_sums", &Markers::inner_sums_of, "grid"_a, "u"_a, "v"_a, "w"_a, "position"_a, "radius"_a,
+             "sums"_a)
         .def_prop_ro("count", &Markers::count);
     module.def("sum_over_markers", &sum_values, "first"_a, "arm"_a, "volume"_a, "value"_a, "threads"_a,
                "sums"_a);

@@ -47,6 +47,10 @@ class RdpmError(Exception):
         why = f" ({reason})" if reason else ""
         super().__init__(f"{place}{found}: {rule}{why}.{' ' + cure if cure else ''}")
 
+    def __reduce__(self) -> tuple[type[RdpmError], tuple[str, object, str, str, str]]:
+        """For a copy in another process."""
+        return type(self), (self.place, self.value, self.rule, self.reason, self.cure)
+
 
 class CaseError(RdpmError, ValueError):
     """The input is wrong; nothing was written. Exit code 2."""

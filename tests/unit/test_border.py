@@ -18,7 +18,21 @@ PERIODIC, WALL = 0, 1
 
 
 def core_grid(cells=CELLS, boundary=(WALL, PERIODIC, PERIODIC), threads: int = THREADS) -> _core.Grid:
-    return _core.Grid(list(cells), [1.0, 1.0, 1.0], list(boundary), [0.0] * 18, threads)
+    return _core.Grid(list(cells), [1.0, 1.0, 1.0], list(boundary), [0.0] * 18, threads, 0, 0, [False, False])
+
+
+def slab() -> dict[str, _core.Grid]:
+    """The middle one of three slabs."""
+    boundary, speed = [WALL, PERIODIC, PERIODIC], [0.0] * 18
+    return {"grid": _core.Grid(list(CELLS), [1.0] * 3, boundary, speed, THREADS, CELLS[2], 3 * CELLS[2], [True, True])}
+
+
+def interfaces() -> dict[str, Any]:
+    return slab() | {"planes": [CELLS[2]] * 3, "first": 0, "count": CELLS[0] * CELLS[1]}
+
+
+def modes(*names: str) -> dict[str, np.ndarray]:
+    return {name: values(CELLS[1], CELLS[0]) for name in names}
 
 
 def values(*shape: int, dtype: type = np.float64) -> np.ndarray:
@@ -118,7 +132,8 @@ def events() -> Call:
 
 
 FLOW, TENDENCY, RATE = ("u", "v", "w"), ("tendency_u", "tendency_v", "tendency_w"), ("rate_u", "rate_v", "rate_w")
-GRID = {"cells": CELLS, "spacing": (1.0,) * 3, "boundary": (0,) * 3, "wall_velocity": (0.0,) * 18, "threads": 1}
+GRID = {"cells": CELLS, "spacing": (1.0,) * 3, "boundary": (0,) * 3, "wall_velocity": (0.0,) * 18, "threads": 1,
+        "planes_below": 0, "box_planes": 0, "joined": (False, False)}  # fmt: skip
 
 #: A row an entry; a method is named after its class.
 CALLS: dict[str, Callable[[], Call]] = {
@@ -130,6 +145,28 @@ CALLS: dict[str, Callable[[], Call]] = {
         _core.Projection(core_grid()).project,
         fields(*FLOW, "p", "increment") | {"dt": 1.0, "rotational": 0.0},
         (*FLOW, "p", "increment"),
+    ),
+    "Projection.inwards": lambda: Call(
+        _core.Projection(slab()["grid"]).inwards,
+        fields(*FLOW, "increment") | slab() | {"dt": 1.0} | modes("below", "above"),
+        (*FLOW, "increment", "below", "above"),
+    ),
+    "Projection.outwards": lambda: Call(
+        _core.Projection(slab()["grid"]).outwards,
+        fields(*FLOW, "p", "increment") | slab() | {"dt": 1.0, "rotational": 0.0} | modes("below", "above"),
+        (*FLOW, "p", "increment", "below", "above"),
+    ),
+    "Projection.finish": lambda: Call(
+        _core.Projection(slab()["grid"]).finish,
+        fields(*FLOW, "p", "increment") | slab() | {"dt": 1.0},
+        (*FLOW, "p", "increment"),
+    ),
+    "Projection.measures": lambda: Call(_core.Projection(slab()["grid"]).measures, fields(*FLOW) | slab()),
+    "Interfaces": lambda: Call(_core.Interfaces, interfaces()),
+    "Interfaces.solve": lambda: Call(
+        _core.Interfaces(**interfaces()).solve,
+        {"ends": values(3, 2, CELLS[0] * CELLS[1]), "threads": THREADS},
+        ("ends",),
     ),
     "Projection.solve": lambda: Call(_core.Projection(core_grid()).solve, fields("phi"), ("phi",)),
     "momentum_explicit": lambda: Call(
@@ -146,8 +183,10 @@ CALLS: dict[str, Callable[[], Call]] = {
     "diffuse_stabilised": lambda: Call(
         _core.diffuse_stabilised,
         fields("velocity", "rate")
-        | {"component": 0, "dt": 1.0, "nu": 0.1, "stages": STAGES, "scratch": scratch(3 * (STAGES - 2))},
-        ("velocity", "rate", "scratch"),
+        | slab()
+        | {"component": 0, "dt": 1.0, "nu": 0.1, "stages": STAGES, "scratch": scratch(3 * (STAGES - 2))}
+        | {side: values(STAGES - 1, *SHAPE[1:]) for side in ("below", "above")},
+        ("velocity", "rate", "scratch", "below", "above"),
     ),
     "fill_halo": lambda: Call(_core.fill_halo, fields("field") | {"location": 3}, ("field",)),
     "largest_divergence": lambda: Call(_core.largest_divergence, fields(*FLOW)),
@@ -171,10 +210,10 @@ CALLS: dict[str, Callable[[], Call]] = {
         fields(*FLOW) | {"value": values(MARKERS, 3), "volume": values(MARKERS), "factor": 1.0},
         FLOW,
     ),
-    "Markers.inner_motion": lambda: Call(
-        placed().inner_motion,
-        fields(*FLOW) | {"position": values(BODIES, 3), "radius": values(BODIES), "motion": values(BODIES, 6)},
-        ("motion",),
+    "Markers.inner_sums": lambda: Call(
+        placed().inner_sums,
+        fields(*FLOW) | {"position": values(BODIES, 3), "radius": values(BODIES), "sums": values(BODIES, 12)},
+        ("sums",),
     ),
     "sum_over_markers": lambda: Call(
         _core.sum_over_markers,
@@ -445,7 +484,7 @@ def test_bodies_far_from_the_box_are_refused(place: float) -> None:
     with pytest.raises(ValueError, match=r"^position: "):
         markers.place(periodic, np.full((MARKERS, 3), place))
     with pytest.raises(ValueError, match=r"^position, radius: "):
-        CALLS["Markers.inner_motion"]()(position=np.full((BODIES, 3), place))
+        CALLS["Markers.inner_sums"]()(position=np.full((BODIES, 3), place))
 
 
 def test_stencils_that_were_not_placed_are_refused() -> None:
@@ -467,6 +506,33 @@ def test_markers_refuse_a_field_beyond_their_offsets() -> None:
     assert _core.Markers(core_grid(cells=(1288,) * 3), first).count == 1
     with pytest.raises(ValueError, match=r"cells 1289 x 1289 x 1289 .* 32-bit offsets, at most 2147483647"):
         _core.Markers(core_grid(cells=(1289,) * 3), first)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"planes_below": 1}, {"joined": (True, False)}, {"box_planes": 7, "joined": (False, False)},
+        {"box_planes": 6, "joined": (True, True)}, {"planes_below": 15, "box_planes": 21, "joined": (True, True)},
+    ],
+)  # fmt: skip
+def test_a_slab_that_is_none_is_refused(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=r"^grid: a slab"):
+        _core.Grid(**(GRID | wrong))
+
+
+@pytest.mark.parametrize("wrong", [{"planes": [21]}, {"planes": [21, 0]}, {"first": -1}, {"count": 31}])
+def test_interfaces_of_no_slabs_or_modes_are_refused(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=r"^(planes|first, count): "):
+        _core.Interfaces(**(interfaces() | wrong))
+
+
+def test_a_whole_box_and_a_slab_are_projected_each_its_way() -> None:
+    whole, part = CALLS["Projection.project"](), slab()["grid"]
+    with pytest.raises(ValueError, match=r"^grid: must not be a slab"):
+        _core.Projection(part).project(**whole.arguments | {"grid": part})
+    call = CALLS["Projection.inwards"]()
+    with pytest.raises(ValueError, match=r"^grid: must be a slab"):
+        _core.Projection(core_grid()).inwards(**call.arguments | {"grid": core_grid()})
 
 
 @pytest.mark.parametrize("cells", [(1 << 30, 4, 4), (1 << 29,) * 3])

@@ -96,7 +96,7 @@ def test_counts_suit_the_transforms_within_the_tolerance(length: float, ideal: f
 )
 def test_kernels_refuse_a_grid_they_cannot_use(cells, spacing, boundary, threads) -> None:
     with pytest.raises(ValueError, match="grid: "):
-        _core.Grid(list(cells), list(spacing), list(boundary), [0.0] * 18, threads)
+        _core.Grid(list(cells), list(spacing), list(boundary), [0.0] * 18, threads, 0, 0, [False, False])
 
 
 def test_kernels_name_the_array_of_a_wrong_shape() -> None:

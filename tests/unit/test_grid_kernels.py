@@ -78,7 +78,8 @@ def test_more_stages_than_planes_wrap_around() -> None:
     q, rate = grid.zeros(), grid.zeros()
     rate[1:-1, 1:-1, 1:-1] = np.sin(np.arange(8.0))
     scratch = np.zeros(3 * 13 * q[0].size)
-    _core.diffuse_stabilised(grid.core, q, rate, 1, 0.5, 0.1, 14, scratch)
+    none = np.zeros((0, *grid.shape[1:]))
+    _core.diffuse_stabilised(grid.core, q, rate, 1, 0.5, 0.1, 14, scratch, none, none)
     assert np.abs(q[1:-1, 1:-1, 1:-1]).max() > 0.0
     np.testing.assert_array_equal(np.ptp(q[1:-1, 1:-1, 1:-1], axis=(0, 1)), 0.0)
 

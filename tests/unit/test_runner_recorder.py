@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import rdpm
-from rdpm.errors import CaseError
 from rdpm.io.tables import read_table
 from rdpm.results.summary import read_summary
 from rdpm.runs.runner import run_case
@@ -108,14 +107,6 @@ def test_a_run_makes_its_report_once(tmp_path, monkeypatch) -> None:
     (tmp_path / "report.html").unlink()
     run_case(case, tmp_path, resume=True, reporter=again)
     assert again.told[-2:] == ["figures", "report.html"]
-
-
-def test_a_run_on_many_ranks_is_refused(tmp_path, monkeypatch) -> None:
-    """From Python too: each would write into the same folder."""
-    monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
-    with pytest.raises(CaseError, match="must be one process in this version"):
-        run_case(rdpm.load_case(DRY), tmp_path)
-    assert not any(tmp_path.iterdir())
 
 
 def test_particle_rows_follow_the_bodies(runs) -> None:

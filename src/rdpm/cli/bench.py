@@ -22,6 +22,9 @@ def bench(*names: str, json: Annotated[bool, Parameter(negative="")] = False) ->
     json : bool
         Print JSON.
     """
+    from rdpm.parallel.launcher import single
+
+    single("rdpm bench")
     from rdpm.cli.progress import say
     from rdpm.studies.bench import CASES
     from rdpm.studies.bench import bench as run

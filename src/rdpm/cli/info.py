@@ -8,6 +8,8 @@ import os
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
+from rdpm.parallel.launcher import launched_rank
+
 __all__ = ["info"]
 
 _PACKAGES = ("numpy", "scipy", "pydantic", "h5py", "matplotlib", "pyvista")
@@ -29,11 +31,29 @@ def info() -> None:
         "Python": f"{platform.python_version()}, {platform.system()} {platform.machine()}",
         **_kernels(),
         "threads": _threads(),
-        "MPI": "mpi4py is installed" if importlib.util.find_spec("mpi4py") else "mpi4py is not installed",
+        "MPI": _mpi(),
         "packages": ", ".join(f"{name} {_version(name)}" for name in _PACKAGES),
     }
+    if launched_rank() > 0:
+        return
     for name, value in rows.items():
         print(f"{name:11} {value}")
+
+
+def _mpi() -> str:
+    """Which MPI there is, and how many ranks a launcher started."""
+    if not importlib.util.find_spec("mpi4py"):
+        return "mpi4py is not installed"
+    from rdpm.parallel.ranks import world
+
+    ranks = world()
+    if ranks.size == 1:
+        return f"mpi4py {_version('mpi4py')}, one process"
+    from mpi4py import MPI
+
+    library = MPI.Get_library_version().split("\n")[0].strip("\0 ")
+    shared = f"{ranks.sharers} of them share the processors here"
+    return f"mpi4py {_version('mpi4py')}, {library}; {ranks.size} ranks, {shared}"
 
 
 def _kernels() -> dict[str, str]:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from rdpm.errors import RdpmError
+from rdpm.parallel.launcher import launched_rank
 
 __all__ = ["app", "main"]
 
@@ -71,24 +72,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _call(words)
     except RdpmError as error:
-        with suppress(OSError):   # the terminal may be gone
-            print(f"rdpm: {error}", file=sys.stderr)
+        _tell(f"rdpm: {error}")
         return error.exit_code
     except KeyboardInterrupt:
-        with suppress(OSError):
-            print("rdpm: interrupted", file=sys.stderr)
+        _tell("rdpm: interrupted")
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output has left; so do we, without a word
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except Exception as error:
         if isinstance(error, OSError) and error.errno in _FULL:
-            print(f"rdpm: the disk is full ({error.filename or error.strerror})", file=sys.stderr)
+            _tell(f"rdpm: the disk is full ({error.filename or error.strerror})")
             return STOPPED
-        print(
+        _tell(
             f"rdpm: internal error, {type(error).__name__}: {_first_line(error)}. Please report it with "
-            f"{_log_traceback(getattr(error, 'run_folder', None))}",
-            file=sys.stderr,
+            f"{_log_traceback(getattr(error, 'run_folder', None))}"
         )
         return INTERNAL
 
@@ -101,10 +99,17 @@ def _call(words: list[str]) -> int:
         command, bound, *_ = application.parse_args(words, exit_on_error=False, print_error=False)
     except cyclopts.CycloptsError as error:
         hint = f"rdpm {words[0]} --help" if words and words[0] in VERBS else "rdpm --help"
-        print(f"rdpm: {' '.join(str(error).split())} See `{hint}`.", file=sys.stderr)
+        _tell(f"rdpm: {' '.join(str(error).split())} See `{hint}`.")
         return USAGE
     result = command(*bound.args, **bound.kwargs)
     return result if isinstance(result, int) else 0
+
+
+def _tell(text: str) -> None:
+    """Say it on the terminal, which may be gone; of several ranks that find the same, the first does."""
+    if launched_rank() == 0:
+        with suppress(OSError):
+            print(text, file=sys.stderr)
 
 
 def _first_line(error: Exception) -> str:

@@ -16,11 +16,11 @@ from cyclopts import Parameter
 from rdpm.cli.progress import Reporter, say
 from rdpm.cli.source import case_source
 from rdpm.errors import CaseError, CheckpointError
-from rdpm.parallel.ranks import working_ranks
 from rdpm.parallel.threads import available_threads, checked_threads
 
 if TYPE_CHECKING:
     from rdpm.config.case import Case
+    from rdpm.parallel.ranks import Ranks
     from rdpm.results.summary import Summary
 
 __all__ = ["run"]
@@ -52,7 +52,8 @@ def run(
         key=value, instead of what the case says; may be repeated. A whole table is replaced by
         'contact={stiffness=50, damping=0.1}'.
     threads : int, optional
-        OpenMP threads; all cores, or OMP_NUM_THREADS, when left out.
+        OpenMP threads of each process; all cores, or OMP_NUM_THREADS, when left out. Under mpiexec or srun the ranks of
+        a node share its cores.
     resume : bool
         Continue the run in ./NAME, or in --out, from its newest checkpoint, to the same bits as if it had not stopped.
     from_ : Path, optional
@@ -71,8 +72,44 @@ def run(
     GuardError
         The numbers could no longer be trusted.
     """
-    working_ranks()  # refuses several
-    _keep_streams()
+    from rdpm.parallel.agreement import guarding, on_root
+    from rdpm.parallel.ranks import world
+
+    ranks = world()
+    with guarding(ranks):
+        _keep_streams()
+        quiet = quiet or ranks.rank != 0
+        loaded, folder, how = on_root(
+            ranks, lambda: _prepared(case, out, set_, threads, resume, from_, at, within, quiet)
+        )
+        return _run(loaded, folder, quiet, ranks, how)
+
+
+def _run(case: Case, folder: Path, quiet: bool, ranks: Ranks, how: dict[str, Any]) -> int:
+    _end_on_signals()
+    try:
+        summary = _computed(case, folder, quiet, ranks, **how)
+        if summary.status == "interrupted":
+            if ranks.rank == 0:
+                _unheard(_say_how_to_resume, folder, summary)
+            return 130
+    except (CaseError, CheckpointError):
+        with suppress(OSError):
+            folder.rmdir()  # only if nothing is in it
+        raise
+    except Exception as error:
+        vars(error)["run_folder"] = folder  # where its traceback belongs
+        raise
+    if not quiet:
+        _show(summary, folder)
+    return 0
+
+
+def _prepared(
+    case: str, out: Path | None, changes: tuple[str, ...], threads: int | None, resume: bool, from_: Path | None,
+    at: str | None, within: str | None, quiet: bool,
+) -> tuple[Case, Path, dict[str, Any]]:
+    """The case that is run, the folder for its results, made, and how it is run."""
     if threads is None:
         available_threads()  # refuses what the environment says
     else:
@@ -88,39 +125,22 @@ def run(
     source, run_folder, note = case_source(case, (resume and out is None) or from_ == Path(case))
     if note and not quiet:
         say(note)
-    loaded = load_case(source, set_)
+    loaded = load_case(source, changes)
     from rdpm.setup import plan  # a case that is wrong is told before the solver is loaded
 
     plan(loaded)  # refuses what cannot run, before a folder is made
-    _end_on_signals()
     if resume:
-        folder = _made(out or run_folder or Path(case_name(case)), holds_run=True)
-    else:
-        folder = _folder(out, run_folder.name if run_folder else case_name(case))
-    try:
-        summary = _computed(loaded, folder, quiet, **how)
-        if summary.status == "interrupted":
-            _unheard(_say_how_to_resume, folder, summary)
-            return 130
-    except (CaseError, CheckpointError):
-        with suppress(OSError):
-            folder.rmdir()  # only if nothing is in it
-        raise
-    except Exception as error:
-        vars(error)["run_folder"] = folder  # where its traceback belongs
-        raise
-    if not quiet:
-        _show(summary, folder)
-    return 0
+        return loaded, _made(out or run_folder or Path(case_name(case)), holds_run=True), how
+    return loaded, _folder(out, run_folder.name if run_folder else case_name(case)), how
 
 
-def _computed(case: Case, folder: Path, quiet: bool, **how: Any) -> Summary:
+def _computed(case: Case, folder: Path, quiet: bool, ranks: Ranks, **how: Any) -> Summary:
     from rdpm.runs.runner import run_case
 
     with ExitStack() as stack:
         reporter = Reporter(quiet)
         stack.callback(_unheard, reporter.close)
-        return run_case(case, folder, reporter=reporter, **how)
+        return run_case(case, folder, reporter=reporter, ranks=ranks, **how)
 
 
 def _start(folder: Path | None, at: str | None, resume: bool) -> tuple[Path, float | None] | None:

@@ -188,12 +188,12 @@ def _collect(word: str, quiet: bool) -> int:
 def _run(
     word: str, out: Path | None, workers: int | None, quick: bool, scheduler: str | None, slurm: bool, quiet: bool
 ) -> int:
-    from rdpm.parallel.ranks import working_ranks
+    from rdpm.parallel.launcher import single
     from rdpm.studies.display import Display
     from rdpm.studies.study import run_study
     from rdpm.studies.study_file import load_study
 
-    working_ranks()  # refuses several
+    single("rdpm study")  # shares nothing among ranks
     source, folder = _source(word)
     loaded = load_study(source)
     path = out or folder or Path(loaded.name)

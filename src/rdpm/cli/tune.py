@@ -95,11 +95,11 @@ def tune(
     from rdpm.cli.progress import say
     from rdpm.cli.source import case_source
     from rdpm.config.load import case_name
-    from rdpm.parallel.ranks import working_ranks
+    from rdpm.parallel.launcher import single
     from rdpm.studies.tuning.options import TuneOptions
     from rdpm.studies.tuning.tune import tune as run
 
-    working_ranks()  # refuses several
+    single("rdpm tune")  # shares nothing among ranks
     if workers is not None and not 1 <= workers <= 1024:
         raise CaseError("--workers", workers, "must lie between 1 and 1024")
     options = TuneOptions(

@@ -42,6 +42,9 @@ def validate(
         0, or 1 when a case is outside its band.
     """
     import rdpm
+    from rdpm.parallel.launcher import single
+
+    single("rdpm validate")
     from rdpm.cli.progress import say
     from rdpm.parallel.threads import available_threads
     from rdpm.studies.validation import CASES, Chart

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from rdpm.contacts import ContactStep
 from rdpm.particles.immersed import ImmersedBodies
+from rdpm.particles.shared import SharedBodies
 
 __all__ = ["outer_iterations"]
 
@@ -15,7 +16,7 @@ UNBALANCED = 0.5
 
 
 def outer_iterations(
-    contact: ContactStep, load: NDArray[np.float64], dt: float, immersed: ImmersedBodies | None
+    contact: ContactStep, load: NDArray[np.float64], dt: float, immersed: ImmersedBodies | SharedBodies | None
 ) -> int:
     """Forcings and projections of a step: two in an impact.
 
@@ -30,7 +31,7 @@ def outer_iterations(
     load : ndarray, (N, 6), [N], [N m]
         That the step began with.
     dt : float, [s]
-    immersed : ImmersedBodies or None
+    immersed : ImmersedBodies, SharedBodies or None
     """
     if immersed is None:
         return 1

@@ -6,12 +6,13 @@ import numpy as np
 
 from rdpm.contacts import ContactStep
 from rdpm.particles.immersed import ImmersedBodies
+from rdpm.particles.shared import SharedBodies
 from rdpm.particles.state import Bodies
 
 __all__ = ["keep_loads"]
 
 
-def keep_loads(bodies: Bodies, contact: ContactStep, immersed: ImmersedBodies | None, dt: float) -> None:
+def keep_loads(bodies: Bodies, contact: ContactStep, immersed: ImmersedBodies | SharedBodies | None, dt: float) -> None:
     r"""Change the loads of the bodies to those of the step just done.
 
     For a free body :math:`m\,\Delta U = \delta t\,(F_{hydrodynamic} + F_{lubrication} + F_{collision} + B)` holds to
@@ -21,7 +22,7 @@ def keep_loads(bodies: Bodies, contact: ContactStep, immersed: ImmersedBodies | 
     ----------
     bodies : Bodies
     contact : ContactStep
-    immersed : ImmersedBodies or None
+    immersed : ImmersedBodies, SharedBodies or None
         None in a dry case.
     dt : float, [s]
     """

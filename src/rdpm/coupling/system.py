@@ -11,8 +11,10 @@ from rdpm.contacts import Contacts, ContactStep
 from rdpm.coupling.mean_flow import MeanFlow
 from rdpm.coupling.timing import Stopwatch
 from rdpm.fluid import Fluid
+from rdpm.parallel.ranks import ALONE, Ranks
 from rdpm.particles.immersed import ImmersedBodies
 from rdpm.particles.prescribed import Prescription
+from rdpm.particles.shared import SharedBodies
 from rdpm.particles.state import Bodies
 
 __all__ = ["System"]
@@ -32,10 +34,12 @@ class System:
     gravity : ndarray, (3,), [m/s^2]
     fluid : Fluid or None
         None in a dry case.
-    immersed : ImmersedBodies or None
-        None in a dry case, or without bodies.
+    immersed : ImmersedBodies, SharedBodies or None
+        None in a dry case, or without bodies; shared where several ranks have the box.
     mean_flow : MeanFlow or None
         None in a dry case.
+    ranks : Ranks
+        That share the box; bodies and contacts are the same on all.
     """
 
     bodies: Bodies
@@ -43,12 +47,13 @@ class System:
     prescription: Prescription
     gravity: Floats
     fluid: Fluid | None = None
-    immersed: ImmersedBodies | None = None
+    immersed: ImmersedBodies | SharedBodies | None = None
     mean_flow: MeanFlow | None = None
     time: float = 0.0
     steps: int = 0
     last_contact: ContactStep | None = None
     watch: Stopwatch = field(default_factory=Stopwatch)
+    ranks: Ranks = ALONE
 
     @property
     def load(self) -> Floats:

@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 from rdpm import _core
 from rdpm.fluid.diffusion import stages_for
 from rdpm.fluid.open_ends import OpenEnds
+from rdpm.fluid.slabs import SlabProjection
 from rdpm.grid import Grid
+from rdpm.parallel.halo import Halo
+from rdpm.parallel.ranks import ALONE, Ranks
 
 __all__ = ["Fluid"]
 
@@ -30,11 +33,14 @@ class Fluid:
     kinematic_viscosity : float, [m^2/s]
     is_explicit : bool
         Diffusion explicit (Adams-Bashforth 2), or by stabilised stages.
+    ranks : Ranks
+        That share the box, where the grid is of a slab.
 
     Attributes
     ----------
     u, v, w : ndarray, (nz+2, ny+2, nx+2), [m/s]
         ``u[k, j, i]`` on the face between cells i and i+1, ``v`` between j and j+1, ``w`` between k and k+1.
+        Of this rank's slab alone, where several share the box.
     p : ndarray, (nz+2, ny+2, nx+2), [m^2/s^2]
         Pressure over density, without the hydrostatic part.
     tendency : list of three ndarray
@@ -45,6 +51,7 @@ class Fluid:
     density: float
     kinematic_viscosity: float
     is_explicit: bool = True
+    ranks: Ranks = ALONE
     u: Field = field(init=False)
     v: Field = field(init=False)
     w: Field = field(init=False)
@@ -60,7 +67,12 @@ class Fluid:
         self._rate = [] if self.is_explicit else [self.grid.zeros() for _ in range(3)]
         self._last_dt = 0.0
         self._scratch = np.zeros(0)
-        self._projection = _core.Projection(self.grid.core)
+        self._no_planes = np.zeros((0, *self.grid.shape[1:]))
+        self._halo: Halo | None = None
+        self._projection: _core.Projection | SlabProjection = _core.Projection(self.grid.core)
+        if self.grid.slab is not None:
+            self._halo = Halo(self.ranks, self.grid.slab)
+            self._projection = SlabProjection(self.grid, self.ranks, self._halo)
         inflow = self.grid.box.inflow
         self._ends = OpenEnds(self.grid, inflow) if inflow is not None else None
 
@@ -82,10 +94,15 @@ class Fluid:
         Parameters
         ----------
         u, v, w : float or ndarray broadcastable to (nz+2, ny+2, nx+2), [m/s]
+            Of the whole box, also where this rank has a slab of it.
         """
+        nx, ny, nz = self.grid.cells
+        take = slice(None) if self.grid.slab is None else self.grid.slab.take
         for location, (target, value) in enumerate(zip(self.velocity, (u, v, w), strict=True)):
-            target[...] = value
+            target[...] = np.broadcast_to(value, (nz + 2, ny + 2, nx + 2))[take]
             _core.fill_halo(self.grid.core, target, location)
+        if self._halo is not None:
+            self._halo.exchange(up=self.velocity, down=self.velocity)
         if self._ends is not None:
             self._ends.begin(self.velocity)
             self.project(1.0)
@@ -135,8 +152,11 @@ class Fluid:
         else:
             ru, rv, rw = self._rate
             _core.momentum_rate(core, u, v, w, su, sv, sw, ru, rv, rw, self.p, now, then, nu, force)
+            below = above = self._no_planes
             for component, (q, rate) in enumerate(zip(self.velocity, self._rate, strict=True)):
-                _core.diffuse_stabilised(core, q, rate, component, dt, nu, stages, self._scratch)
+                if self._halo is not None:
+                    below, above = self._halo.deep(rate, stages - 1)
+                _core.diffuse_stabilised(core, q, rate, component, dt, nu, stages, self._scratch, below, above)
         if self._ends and passing:
             self._ends.set(self.velocity, *passing)
         self._last_dt = dt
@@ -144,20 +164,29 @@ class Fluid:
     def project(self, dt: float) -> None:
         """Change u, v, w to be divergence-free, halos current, and the pressure: eq. (4) of docs/theory/fluid.md."""
         rotational = 0.0 if self.is_explicit else 0.5 * self.kinematic_viscosity
-        self.cfl_rate, self.square_sum = self._projection.project(
-            self.grid.core, *self.velocity, self.p, self.increment, dt, rotational
-        )
+        if isinstance(self._projection, SlabProjection):
+            measures = self._projection.project(self.velocity, self.p, self.increment, dt, rotational)
+        else:
+            measures = self._projection.project(
+                self.grid.core, *self.velocity, self.p, self.increment, dt, rotational
+            )
+        self.cfl_rate, self.square_sum = measures
 
     def largest_divergence(self) -> float:
         """Over the cells [1/s]."""
-        return float(_core.largest_divergence(self.grid.core, *self.velocity))
+        return float(self.ranks.table([_core.largest_divergence(self.grid.core, *self.velocity)]).max())
 
     def cell_values(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Velocity (nz, ny, nx, 3) [m/s] and pressure (nz, ny, nx) [Pa] at the cell centres, single precision."""
-        nx, ny, nz = self.grid.cells
+        """Velocity (nz, ny, nx, 3) [m/s] and pressure (nz, ny, nx) [Pa] at the cell centres, single precision.
+
+        Of this rank's slab alone, where several share the box.
+        """
+        nx, ny, nz = self.grid.cells_here
         velocity = np.empty((nz, ny, nx, 3), np.float32)
         pressure = np.empty((nz, ny, nx), np.float32)
         _core.cell_values(self.grid.core, *self.velocity, self.p, self.density, velocity, pressure)
+        if isinstance(self._projection, SlabProjection):
+            pressure -= np.float32(self.density * self._projection.offset)
         return velocity, pressure
 
     def kinetic_energy(self) -> float:
@@ -170,6 +199,8 @@ class Fluid:
         fields = dict(zip(("u", "v", "w"), self.velocity, strict=True)) | {"p": self.p}
         tendencies = {f"tendency_{x}": values for x, values in zip("xyz", self.tendency, strict=True)}
         scalars = {name: np.array(getattr(self, name)) for name in ("cfl_rate", "square_sum", "last_dt", "is_explicit")}
+        if isinstance(self._projection, SlabProjection):
+            scalars["pressure_offset"] = np.array(self._projection.offset)
         return fields | tendencies | scalars
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
@@ -181,6 +212,11 @@ class Fluid:
         names = ("u", "v", "w", "p", "tendency_x", "tendency_y", "tendency_z")
         for target, name in zip((*self.velocity, self.p, *self.tendency), names, strict=True):
             np.copyto(target, state[name])
+        offset = float(state.get("pressure_offset", 0.0))
+        if isinstance(self._projection, SlabProjection):
+            self._projection.offset = offset
+        elif offset:
+            self.p -= offset
         self.cfl_rate, self.square_sum = float(state["cfl_rate"]), float(state["square_sum"])
         self._last_dt = float(state["last_dt"])
         if bool(state["is_explicit"]) != self.is_explicit:

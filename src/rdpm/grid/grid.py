@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from rdpm import _core
 from rdpm.conventions import BOUNDARY_KINDS, BoundaryKind
 from rdpm.grid.box import Box
+from rdpm.parallel.decomposition import Slab
 
 __all__ = ["Grid", "choose_cells", "smooth_counts"]
 
@@ -83,9 +84,11 @@ class Grid:
     ----------
     box : Box
     cells : tuple of int, (3,)
-        nx, ny, nz; at least 4 each.
+        nx, ny, nz of the box; at least 4 each.
     threads : int
         Used by every loop over the grid.
+    slab : Slab, optional
+        The planes that this rank has, where several share the box: its fields hold only these.
 
     Examples
     --------
@@ -97,6 +100,13 @@ class Grid:
     box: Box
     cells: tuple[int, int, int]
     threads: int = 1
+    slab: Slab | None = None
+
+    @property
+    def cells_here(self) -> tuple[int, int, int]:
+        """Cells of this rank: (3,)."""
+        nx, ny, nz = self.cells
+        return nx, ny, nz if self.slab is None else self.slab.planes
 
     @property
     def size(self) -> tuple[float, float, float]:
@@ -117,7 +127,7 @@ class Grid:
     @property
     def shape(self) -> tuple[int, int, int]:
         """Of a field with its halo: (nz+2, ny+2, nx+2)."""
-        nx, ny, nz = self.cells
+        nx, ny, nz = self.cells_here
         return nz + 2, ny + 2, nx + 2
 
     @property
@@ -133,12 +143,16 @@ class Grid:
     @cached_property
     def core(self) -> _core.Grid:
         """The same facts as the kernels read them."""
+        slab = self.slab
         return _core.Grid(
-            list(self.cells),
+            list(self.cells_here),
             list(self.spacing),
             [self._kernel_number(kind) for kind in self.boundary],
             self.box.wall_velocity.ravel().tolist(),
             self.threads,
+            slab.first if slab else 0,
+            slab.whole if slab else 0,
+            [slab.lower is not None, slab.upper is not None] if slab else [False, False],
         )
 
     def _kernel_number(self, kind: BoundaryKind) -> int:
@@ -162,8 +176,9 @@ class Grid:
         -------
         x, y, z : ndarray, (nx+2,), (ny+2,), (nz+2,), [m]
         """
+        first = 0, 0, self.slab.first if self.slab else 0
         axes: Sequence[NDArray[np.float64]] = [
-            (np.arange(n + 2.0) - (0.0 if location == name else 0.5)) * h
-            for name, n, h in zip("uvw", self.cells, self.spacing, strict=True)
+            (np.arange(n + 2.0) + below - (0.0 if location == name else 0.5)) * h
+            for name, n, below, h in zip("uvw", self.cells_here, first, self.spacing, strict=True)
         ]
         return axes[0], axes[1], axes[2]

@@ -8,18 +8,22 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from rdpm.errors import CaseError
+from rdpm.parallel.agreement import on_root
+from rdpm.parallel.ranks import ALONE, Ranks
 
 __all__ = ["holder", "locked"]
 
 
 @contextmanager
-def locked(path: str | Path) -> Iterator[None]:
+def locked(path: str | Path, ranks: Ranks = ALONE) -> Iterator[None]:
     """Hold a run's folder against a second run.
 
     Parameters
     ----------
     path : path
         Of the lock, a file in that folder, which must exist.
+    ranks : Ranks
+        That run in it together; the root holds the lock.
 
     Raises
     ------
@@ -42,6 +46,18 @@ def locked(path: str | Path) -> Iterator[None]:
     False
     """
     path = Path(path)
+    handle = on_root(ranks, lambda: _held(path))
+    try:
+        yield
+    finally:
+        if ranks.rank == 0:
+            with suppress(OSError):
+                path.unlink()
+            os.close(handle)
+
+
+def _held(path: Path) -> int:
+    """The locked file, with the number of this process in it."""
     try:
         handle = _open_locked(path)
     except OSError as error:
@@ -49,15 +65,10 @@ def locked(path: str | Path) -> Iterator[None]:
         raise CaseError(
             str(path.parent), None, "must be a folder to write to", reason, "Name another with --out."
         ) from None
-    try:
-        with suppress(OSError):
-            os.ftruncate(handle, 0)
-            os.write(handle, f"{os.getpid()}\n".encode())
-        yield
-    finally:
-        with suppress(OSError):
-            path.unlink()
-        os.close(handle)
+    with suppress(OSError):
+        os.ftruncate(handle, 0)
+        os.write(handle, f"{os.getpid()}\n".encode())
+    return handle
 
 
 def holder(path: str | Path) -> int | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +15,7 @@ from rdpm.errors import CaseError
 from rdpm.io.appending import appending, reserve
 from rdpm.io.files import replacing
 from rdpm.io.packing import PACKED, append_rounded
+from rdpm.parallel.gather import Planes
 
 if TYPE_CHECKING:
     import h5py
@@ -144,7 +146,7 @@ class FieldWriter:
                 dataset.resize(count, axis=0)
             root["Steps"].attrs["NSteps"] = count
 
-    def write(self, time: float, *values: ArrayLike) -> None:
+    def write(self, time: float, *values: ArrayLike | Planes) -> None:
         """Append one step; afterwards the file on disk is complete.
 
         Parameters
@@ -153,6 +155,7 @@ class FieldWriter:
             Later than the step before.
         *values : array_like, (nz, ny, nx, 3) or (nz, ny, nx)
             At the cells' centres, in the order of the quantities; stored in single precision.
+            Planes of several ranks are put together, one quantity after the other.
 
         Raises
         ------
@@ -162,16 +165,18 @@ class FieldWriter:
             The file cannot be written.
         """
         arrays = {
-            name: np.asarray(given, np.float32) for name, given in zip(self.quantities, values, strict=True)
+            name: given if isinstance(given, Planes) else np.asarray(given, np.float32)
+            for name, given in zip(self.quantities, values, strict=True)
         }
         for name, array in arrays.items():
             shape = (*self.shape, self.quantities[name]) if self.quantities[name] > 1 else self.shape
             if array.shape != shape:
                 raise ValueError(f"{name} {array.shape}: must be {shape}")
-        with appending(self.path, sum(array.nbytes for array in arrays.values())) as root:
+        with appending(self.path, 4 * sum(math.prod(array.shape) for array in arrays.values())) as root:
             step = int(root["Steps"].attrs["NSteps"])
             for name, array in arrays.items():
-                append_rounded(root["CellData"][name], array, self.tolerance)
+                whole = np.concatenate(list(array)) if isinstance(array, Planes) else array
+                append_rounded(root["CellData"][name], whole, self.tolerance)
                 append_rows(root["Steps/CellDataOffsets"][name], np.array([step]))
             append_rows(root["Steps/Values"], np.array([time]))
             root["Steps"].attrs["NSteps"] = step + 1

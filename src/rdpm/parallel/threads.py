@@ -44,8 +44,13 @@ def processors() -> int:
     return max(1, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)
 
 
-def available_threads() -> int:
+def available_threads(sharers: int = 1) -> int:
     """Processors this process may use, or OMP_NUM_THREADS where that is set.
+
+    Parameters
+    ----------
+    sharers : int
+        Ranks among which these processors are shared out.
 
     Returns
     -------
@@ -64,8 +69,8 @@ def available_threads() -> int:
     """
     given = os.environ.get("OMP_NUM_THREADS", "").strip()
     if not given:
-        return processors()
-    first = given.split(",")[0].strip()   # the others are of nested regions
+        return max(1, processors() // sharers)
+    first = given.split(",")[0].strip()  # the others are of nested regions
     if not (first.isascii() and first.isdigit() and int(first) > 0):
         raise CaseError(
             "OMP_NUM_THREADS", given, "must be a whole number from 1",

@@ -51,6 +51,8 @@ class ImmersedBodies:
         Mass and moment of inertia that contacts act on.
     slip : float, [m/s]
         Root mean square velocity change that the last forcing pass still made.
+    slip_square : ndarray, (N,), [m^2/s^2]
+        Of each body, the sum of its square over the markers.
     pass_seconds : float, [s]
         Wall time spent in forcing passes so far.
     """
@@ -67,6 +69,7 @@ class ImmersedBodies:
         self.markers, self.walls = MarkerSet(bodies, fluid.grid, calibration), WallMarkers(fluid.grid, calibration)
         self.motion = RigidMotion(bodies, fluid.density, self.markers.h, gravity, calibration)
         self.slip = self.pass_seconds = 0.0
+        self.slip_square = np.zeros(len(bodies))
         self.markers.place(bodies.position, bodies.orientation)
         self.motion.interior = self.interior_momentum(fluid)
         self.inertia = self._contact_inertia()
@@ -113,9 +116,9 @@ class ImmersedBodies:
         bodies, markers = self.bodies, self.markers
         markers.place(bodies.position, bodies.orientation)
         close = close_pairs(markers.exclusion_range)
-        markers.exclude(bodies, close, self._retained_fraction(fluid, dt))
+        markers.exclude(bodies, close, self.retained_fraction(fluid, dt))
         if len(self.walls):
-            self.walls.exclude(bodies, close, self._retained_fraction(fluid, dt))
+            self.walls.exclude(bodies, close, self.retained_fraction(fluid, dt))
 
     def spread_lagged_force(self, fluid: Fluid, dt: float, is_isolated: bool) -> float:
         """Spread the lagged forces into the fluid's tendency; returns the unretained part, a fraction of them.
@@ -131,7 +134,7 @@ class ImmersedBodies:
         unretained, factor = 0.0, -1.0 / fluid.weights(dt)[1]
         target = (fluid.tendency[0], fluid.tendency[1], fluid.tendency[2])
         if self.has_variable_steps and not fluid.is_explicit and fluid.last_dt > 0.0:
-            unretained = 1.0 / self._retained_fraction(fluid, fluid.last_dt) - 1.0
+            unretained = 1.0 / self.retained_fraction(fluid, fluid.last_dt) - 1.0
         if self.has_variable_steps and is_isolated:
             markers.place(bodies.position - 0.5 * dt * bodies.velocity, bodies.orientation)
         markers.spread(target, markers.force, (1.0 + unretained) * factor)
@@ -182,7 +185,8 @@ class ImmersedBodies:
             if len(self.walls):
                 self.walls.impose_no_slip(fluid.velocity, dt)
         self.pass_seconds += perf_counter() - began
-        self.slip = float(np.sqrt(sums[:, 6].sum() / len(markers))) if len(markers) else 0.0
+        self.slip_square = sums[:, 6]
+        self.slip = float(np.sqrt(self.slip_square.sum() / len(markers))) if len(markers) else 0.0
         self.motion.conclude(equation, applied, dt)
 
     def close(self, fluid: Fluid, dt: float, before: Floats, impulse: Floats) -> None:
@@ -191,9 +195,9 @@ class ImmersedBodies:
         The load is eq. (12) of docs/theory/rigid_motion.md, the storing eq. (7) of docs/theory/immersed_boundary.md.
         `before` and `impulse` are those of `impose_no_slip`.
         """
-        self.markers.store_force(self.bodies.orientation, self._retained_fraction(fluid, dt))
+        self.markers.store_force(self.bodies.orientation, self.retained_fraction(fluid, dt))
         if len(self.walls):
-            self.walls.close(fluid.density, dt, self._retained_fraction(fluid, dt))
+            self.walls.close(fluid.density, dt, self.retained_fraction(fluid, dt))
         self.motion.close(self.markers.interior_motion(fluid.velocity, self.bodies))
         change = self.bodies.velocities - before
         self.load = (np.repeat(self.inertia, 3, axis=1) * change - impulse) / dt
@@ -213,7 +217,8 @@ class ImmersedBodies:
         self.markers.place(self.bodies.position, self.bodies.orientation)
         self.inertia = self._contact_inertia()
 
-    def _retained_fraction(self, fluid: Fluid, dt: float) -> float:
+    def retained_fraction(self, fluid: Fluid, dt: float) -> float:
+        """Of the lagged forcing, with which the next step begins."""
         return self.calibration.retained_fraction(fluid.kinematic_viscosity * dt / self.markers.h**2)
 
     def _contact_inertia(self) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from rdpm.particles.walls import left_to_marker
 __all__ = ["MarkerSet"]
 
 Floats = NDArray[np.float64]
+Complete = Callable[[Floats, bool], None]
 
 
 class MarkerSet:
@@ -43,10 +44,14 @@ class MarkerSet:
         Mean spacing of the grid.
     force : ndarray, (M, 3), [m/s^2]
         Lagged from step to step and turned with the body: the force a unit mass that holds no-slip there.
+    complete : callable or None
+        On a slab: adds to rows of numbers, changed in place, what other ranks find in their planes. It takes them, and
+        whether they are a row a marker or a row a body.
     """
 
     def __init__(self, bodies: Bodies, grid: Grid, calibration: Calibration = CALIBRATION) -> None:
         self.grid, self.calibration = grid, calibration
+        self.complete: Complete | None = None
         self.h = h = float(np.cbrt(np.prod(grid.spacing)))
         radius = 0.5 * bodies.diameter
         counts = [marker_count(a, h) for a in radius]
@@ -106,6 +111,8 @@ class MarkerSet:
     def interpolate(self, velocity: tuple[Floats, Floats, Floats]) -> Floats:
         """Velocity of the fluid at the markers, (M, 3) [m/s]; the array is used again by the next call."""
         self._stencils.interpolate(self.grid.core, *velocity, self._velocity)
+        if self.complete is not None:
+            self.complete(self._velocity, True)
         return self._velocity
 
     def spread(self, target: tuple[Floats, Floats, Floats], values: Floats, factor: float) -> None:
@@ -114,9 +121,12 @@ class MarkerSet:
 
     def interior_motion(self, velocity: tuple[Floats, Floats, Floats], bodies: Bodies) -> Floats:
         """Mean velocity and angular velocity of the fluid inside each body, (N, 6) [m/s], [rad/s]."""
-        out = np.empty((len(bodies), 6))
-        self._stencils.inner_motion(self.grid.core, *velocity, bodies.position, 0.5 * bodies.diameter, out)
-        return out
+        sums = np.empty((len(bodies), 12))
+        self._stencils.inner_sums(self.grid.core, *velocity, bodies.position, 0.5 * bodies.diameter, sums)
+        if self.complete is not None:
+            self.complete(sums, False)
+        momentum, weight = (sums.reshape(-1, 2, 2, 3)[:, :, n].reshape(-1, 6) for n in range(2))
+        return np.divide(momentum, weight, out=np.zeros_like(momentum), where=weight > 0.0)
 
     def sums(self, values: Floats) -> Floats:
         """Of each body, (N, 6): sum of volume * value, and of arm x (volume * value)."""
@@ -182,15 +192,18 @@ class MarkerSet:
 
         Notes
         -----
-        The grid cannot hold two surfaces whose deltas overlap.
+        The grid cannot hold two surfaces whose deltas overlap. Bodies beyond those of the markers have none here, but
+        others are excluded near them.
         """
         grid, c, h = self.grid, self.calibration, self.h
+        others = len(bodies) - (self.first.size - 1)
+        first = np.concatenate([self.first, np.repeat(self.first[-1:], others)]) if others else self.first
         solid = [kind == "wall" for kind in grid.boundary]
         within = close[:, 1] <= FIRST_WALL
-        others = close if not within.any() else close[~within]
+        bodies_and_faces = close if not within.any() else close[~within]
         _core.exclude_markers(
-            grid.size, grid.is_periodic, solid, (c.exclusion_near * h, c.exclusion_far * h, least, h), others,
-            self.first, self.position, bodies.position, 0.5 * bodies.diameter, self.full_volume, grid.threads,
+            grid.size, grid.is_periodic, solid, (c.exclusion_near * h, c.exclusion_far * h, least, h), bodies_and_faces,
+            first, self.position, bodies.position, 0.5 * bodies.diameter, self.full_volume, grid.threads,
             self.volume,
         )  # fmt: skip
         for n, wall in enumerate(grid.box.walls):

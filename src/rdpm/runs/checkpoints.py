@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -13,21 +13,26 @@ from numpy.typing import NDArray
 import rdpm
 from rdpm.coupling.system import System
 from rdpm.errors import CheckpointError
-from rdpm.io.checkpoint import read_checkpoint, read_facts, write_checkpoint
+from rdpm.io.checkpoint import read_checkpoint, read_facts, read_rows, write_checkpoint
 from rdpm.io.files import reporting
+from rdpm.parallel.agreement import on_root
+from rdpm.parallel.gather import Planes, with_planes
 from rdpm.results.run_folder import RunFolder
 from rdpm.runs.recorder import Recorder
 from rdpm.simulation.guards import check_divergence
 from rdpm.simulation.schedule import Every
 from rdpm.simulation.time_loop import TimeLoop
 
-__all__ = ["Checkpoints", "Saved", "discard_later", "load_newest", "restore"]
+__all__ = ["FIELDS", "Checkpoints", "Saved", "discard_later", "load_newest", "restore"]
 
 #: Wall time between two checkpoints, [s].
 WALL_INTERVAL = 300.0
 
 #: A checkpoint that took one second is followed by at least this many without one: at most 2 % of the time.
 COST_RATIO = 50.0
+
+#: Arrays of the whole box: of these a rank reads its own planes.
+FIELDS = frozenset(f"fluid/{name}" for name in ("u", "v", "w", "p", "tendency_x", "tendency_y", "tendency_z"))
 
 #: Share of a requested time by which a checkpoint may be before it.
 AT_TOLERANCE = 0.01
@@ -113,17 +118,21 @@ class Checkpoints:
         kept: int = 2,
     ) -> None:
         self._simulation, self._recorder, self._case, self._kept = simulation, recorder, case, kept
-        self._folder = folder
-        with reporting(folder.checkpoints):
-            folder.checkpoints.mkdir(exist_ok=True)
+        self._folder, self._ranks = folder, simulation.system.ranks
+        on_root(self._ranks, self._make_folder)
         self._every = Every(every)
         self._every.is_due(simulation.time)
         self._due = clock.monotonic() + WALL_INTERVAL
         self._written = -1
 
+    def _make_folder(self) -> None:
+        with reporting(self._folder.checkpoints):
+            self._folder.checkpoints.mkdir(exist_ok=True)
+
     def step(self, simulation: TimeLoop) -> None:
-        """Write one that has come due."""
-        if self._every.is_due(simulation.time) or clock.monotonic() >= self._due:
+        """Write one that has come due; by wall time, when it has on the root."""
+        is_late = bool(self._ranks.table([clock.monotonic() >= self._due])[0, 0])
+        if self._every.is_due(simulation.time) or is_late:
             self.write()
 
     def write(self) -> None:
@@ -142,9 +151,10 @@ class Checkpoints:
             return
         check_divergence(system)
         recorded, record = self._recorder.state()
-        arrays = {f"recorder/{name}": value for name, value in recorded.items()}
+        arrays: dict[str, NDArray[Any] | Planes] = {f"recorder/{name}": value for name, value in recorded.items()}
         for name, part in _parts(system).items():
             arrays |= {f"{name}/{key}": value for key, value in part.state().items()}
+        arrays |= {name: _planes(system, values) for name, values in arrays.items() if name in FIELDS}
         facts = {
             "rdpm_version": rdpm.__version__,
             "case": self._case,
@@ -158,12 +168,25 @@ class Checkpoints:
             "max_divergence": simulation.max_divergence,
             "recorder": record,
         }
-        write_checkpoint(self._folder.checkpoint(system.steps), arrays, facts)
+        planes = [values for values in arrays.values() if isinstance(values, Planes)]
+        with_planes(self._ranks, planes, lambda: self._keep(arrays, facts))
         self._written = system.steps
-        for older in self._folder.checkpoint_files()[: -self._kept]:
-            older.unlink(missing_ok=True)
         end = clock.monotonic()
         self._due = end + max(WALL_INTERVAL, COST_RATIO * (end - begin))
+
+    def _keep(self, arrays: Mapping[str, NDArray[Any] | Planes], facts: Mapping[str, Any]) -> None:
+        write_checkpoint(self._folder.checkpoint(facts["steps"]), arrays, facts)
+        for older in self._folder.checkpoint_files()[: -self._kept]:
+            older.unlink(missing_ok=True)
+
+
+def _planes(system: System, values: Any) -> NDArray[Any] | Planes:
+    """A field as the file holds it: whole, or of this rank's slab and to be put together."""
+    slab = system.fluid.grid.slab if system.fluid is not None else None
+    if slab is None:
+        whole: NDArray[Any] = values
+        return whole
+    return Planes(system.ranks, values[slab.own.start - slab.first : slab.own.stop - slab.first])
 
 
 def restore(simulation: TimeLoop, saved: Saved, is_same_run: bool = True) -> None:
@@ -177,8 +200,12 @@ def restore(simulation: TimeLoop, saved: Saved, is_same_run: bool = True) -> Non
         Continue: also the step length, the number of steps and the wall time. Otherwise they are those of a new run.
     """
     system = simulation.system
+    fields: Arrays = {}
+    if system.fluid is not None and system.fluid.grid.slab is not None:
+        taken = read_rows(saved.path, FIELDS, system.fluid.grid.slab.take)
+        fields = {key.removeprefix("fluid/"): rows for key, rows in taken.items()}
     for name, part in _parts(system).items():
-        part.restore(saved.part(name))
+        part.restore(saved.part(name) | (dict(fields) if name == "fluid" else {}))
     system.time = saved.time
     if is_same_run:
         system.steps, simulation.dt = int(saved.facts["steps"]), float(saved.facts["dt_s"])
@@ -189,7 +216,11 @@ def restore(simulation: TimeLoop, saved: Saved, is_same_run: bool = True) -> Non
 
 
 def load_newest(
-    folder: RunFolder, tell: Callable[[str], None], at: float | None = None, within: float | None = None
+    folder: RunFolder,
+    tell: Callable[[str], None],
+    at: float | None = None,
+    within: float | None = None,
+    leave: Container[str] = (),
 ) -> Saved:
     """Read the newest good checkpoint of a run.
 
@@ -202,6 +233,8 @@ def load_newest(
         Not after this time.
     within : float, optional, [s]
         Nor longer before it; `AT_TOLERANCE` of the time when left out.
+    leave : container of str
+        Arrays that are not read, such as `FIELDS`.
 
     Raises
     ------
@@ -219,7 +252,7 @@ def load_newest(
             if at is not None and not at - tolerance <= time <= at * (1.0 + 1e-9):
                 times.append(time)
                 continue
-            return Saved(path, *read_checkpoint(path))
+            return Saved(path, *read_checkpoint(path, leave))
         except CheckpointError as error:
             spoiled += 1
             tell(f"{error} The one before is taken.")

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from rdpm.errors import CaseError
 from rdpm.io.files import reporting
 from rdpm.io.tables import TableWriter
+from rdpm.parallel.agreement import OnRoot
 from rdpm.simulation.record import Record
 from rdpm.simulation.time_loop import TimeLoop
 
@@ -16,7 +18,7 @@ __all__ = ["RecordTables"]
 
 
 class RecordTables:
-    """Writes records as CSV, one file each, in a run that may be continued.
+    """Writes records as CSV, one file each, in a run that may be continued; on several ranks all make the rows alike.
 
     Parameters
     ----------
@@ -35,7 +37,7 @@ class RecordTables:
         self._simulation = simulation
         self._records = {record.name: (record, path) for record, path in records}
         self._first = {name: record.rows(simulation) for name, (record, _) in self._records.items()}
-        self._tables: dict[str, TableWriter] = {}
+        self._tables: dict[str, OnRoot] = {}
 
     def open(self, facts: Mapping[str, Mapping[str, int]] | None, note: Callable[[str], None] | None) -> None:
         """Begin each table with the present row, or continue it.
@@ -52,10 +54,9 @@ class RecordTables:
             if note:
                 note(f"record {name!r} ends here: give its function again with record=, as checkpoints hold none")
         for name, (record, path) in self._records.items():
-            with reporting(path.parent):
-                path.parent.mkdir(exist_ok=True)
             fact = known.get(name)
-            self._tables[name] = TableWriter(path, record.columns, fact["position"] if fact else None)
+            begin = partial(_begun, path, record.columns, fact["position"] if fact else None)
+            self._tables[name] = OnRoot(self._simulation.system.ranks, begin)
             if fact:
                 record.schedule.count = fact["count"]
             elif record.schedule.is_due(self._simulation.time) or facts is not None:
@@ -86,3 +87,9 @@ class RecordTables:
         """Close the tables."""
         for table in self._tables.values():
             table.close()
+
+
+def _begun(path: Path, columns: Sequence[str], position: int | None) -> TableWriter:
+    with reporting(path.parent):
+        path.parent.mkdir(exist_ok=True)
+    return TableWriter(path, columns, position)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack, closing
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ from rdpm.io.tables import CONTACT_COLUMNS, HISTORY_COLUMNS, TableWriter
 from rdpm.io.vtkhdf import FLOW, FieldWriter
 from rdpm.io.vtkhdf_bodies import BodyWriter
 from rdpm.io.wall_surface import write_walls
+from rdpm.parallel.agreement import OnRoot, on_root
+from rdpm.parallel.gather import Planes, with_planes
 from rdpm.particles.state import LOADS
 from rdpm.results.contacts import NOT_OUTSIDE, count_reasons, is_pressed, outside_range
 from rdpm.results.run_folder import TABLES, RunFolder
@@ -33,7 +36,8 @@ __all__ = ["Recorder"]
 class Recorder:
     """Writes a run's tables and fields into its folder.
 
-    Leaving its context closes the files as they are; `close` also writes what is still open.
+    On several ranks all follow the run alike, and the root writes. Leaving its context closes the files as they are;
+    `close` also writes what is still open.
 
     Parameters
     ----------
@@ -79,13 +83,13 @@ class Recorder:
         self.max_speed = np.linalg.norm(bodies.velocity, axis=1)
         arrays, facts = resumed or ({}, {})
         with ExitStack() as files:
-            at = facts.get("positions", {})
-            writers = {
-                name: files.enter_context(TableWriter(folder.table(name), columns, at.get(name)))
-                for name, columns in TABLES.items()
-            }
-            self._flow: FieldWriter | None = None
-            self._shapes: BodyWriter | None = None
+            at, ranks = facts.get("positions", {}), simulation.system.ranks
+            writers = {}
+            for name, columns in TABLES.items():
+                make = partial(TableWriter, folder.table(name), columns, at.get(name))
+                writers[name] = files.enter_context(OnRoot(ranks, make))
+            self._flow: OnRoot | None = None
+            self._shapes: OnRoot | None = None
             self._open_fields(folder, simulation.time if resumed else None, note)
             self._particles, self._contacts, self._history, self._timing = writers.values()
             self._writers = writers
@@ -104,7 +108,7 @@ class Recorder:
         simulation.on_step(self.step)
 
     def _open_fields(self, folder: RunFolder, until: float | None, note: Callable[[str], None] | None) -> None:
-        fluid, output = self.simulation.fluid, self._output
+        fluid, output, ranks = self.simulation.fluid, self._output, self.simulation.system.ranks
         if not output.fields_every:
             return
         if fluid:
@@ -115,12 +119,12 @@ class Recorder:
             def made(path: Path, keep: float | None) -> FieldWriter:
                 return FieldWriter(path, cells, spacing, keep, quantities, tolerance=output.fields_tolerance)
 
-            self._flow = continued(folder.fields, until, note, made)
+            self._flow = OnRoot(ranks, lambda: continued(folder.fields, until, note, made))
         if len(self.simulation.bodies):
-            self._shapes = continued(folder.bodies, until, note, BodyWriter)
+            self._shapes = OnRoot(ranks, lambda: continued(folder.bodies, until, note, BodyWriter))
         box = self.simulation.system.contacts.box
         if box.walls:
-            write_walls(folder.walls, box.walls, box.size)
+            on_root(ranks, lambda: write_walls(folder.walls, box.walls, box.size))
 
     def state(self) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
         """Sums and schedules, and where each table, now safe on the disk, stands: arrays, and plain values."""
@@ -247,7 +251,9 @@ class Recorder:
     def _write_fields(self) -> None:
         sim = self.simulation
         if self._flow and sim.fluid:
-            self._flow.write(sim.time, *sim.fluid.cell_values(), *self._derived(sim.fluid))
+            ranks, flow = sim.system.ranks, self._flow.inner
+            planes = [Planes(ranks, part) for part in (*sim.fluid.cell_values(), *self._derived(sim.fluid))]
+            with_planes(ranks, planes, lambda: flow.write(sim.time, *planes))
         if self._shapes:
             b = sim.bodies
             self._shapes.write(sim.time, b.position, b.diameter, b.velocity, b.angular_velocity)

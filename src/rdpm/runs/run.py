@@ -10,6 +10,8 @@ from rdpm.config.case import Case
 from rdpm.config.load import load_case
 from rdpm.errors import CaseError
 from rdpm.io.files import reporting
+from rdpm.parallel.agreement import on_root
+from rdpm.parallel.ranks import world
 from rdpm.results.frames import RunFrames, open_run
 from rdpm.runs.runner import OwnRecord, run_case
 from rdpm.setup import Simulation, plan
@@ -35,7 +37,7 @@ def run(
     out : path
         New or empty; of the run to be continued with `resume`. Missing folders above it are made.
     on_step : callable, optional
-        Called after every step with the simulation, before the step's rows are written.
+        Called after every step with the simulation, before the step's rows are written; on every rank.
     record : mapping of str to callable, or to (callable, float or str), optional
         Own tables by name: a function of the simulation, and how often (seconds, or text with a unit; as often as the
         tables where it is not said). Written to ``records/NAME.csv``; see `rdpm.simulation.record.Record` for what the
@@ -72,7 +74,13 @@ def run(
     """
     loaded = case if isinstance(case, Case) else load_case(case)
     plan(loaded)  # refuses what cannot run, before a folder is made
-    folder = Path(out)
+    folder, ranks = Path(out), world()
+    on_root(ranks, lambda: _make_folder(folder, resume))
+    run_case(loaded, folder, threads=threads, resume=resume, on_step=on_step, ranks=ranks, record=record)
+    return open_run(folder)
+
+
+def _make_folder(folder: Path, resume: bool) -> None:
     if folder.exists() and not folder.is_dir():
         raise CaseError("out", str(folder), "must be a folder", "a file of that name is there", "Name another.")
     if not resume and folder.is_dir() and any(folder.iterdir()):
@@ -80,5 +88,3 @@ def run(
         raise CaseError("out", str(folder), "must be new or empty", "it holds files, perhaps results", cure)
     with reporting(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    run_case(loaded, folder, threads=threads, resume=resume, on_step=on_step, record=record)
-    return open_run(folder)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -12,11 +13,12 @@ from rdpm.config.write import case_to_toml
 from rdpm.errors import CaseError, CheckpointError, GuardError, RdpmError
 from rdpm.io.files import replacing, reporting
 from rdpm.io.lock import locked
-from rdpm.parallel.ranks import working_ranks
+from rdpm.parallel.agreement import guarding, on_root, together
+from rdpm.parallel.ranks import Ranks, world
 from rdpm.results.run_folder import RunFolder
 from rdpm.results.summary import Summary, read_summary, write_summary
 from rdpm.results.warnings import RunWarning
-from rdpm.runs.checkpoints import Checkpoints, Saved, discard_later, load_newest, restore
+from rdpm.runs.checkpoints import FIELDS, Checkpoints, Saved, discard_later, load_newest, restore
 from rdpm.runs.record_tables import RecordTables
 from rdpm.runs.recorder import Recorder
 from rdpm.runs.restart import case_to_branch, case_to_continue
@@ -59,9 +61,12 @@ def run_case(
     start: tuple[Path, float | None] | None = None,
     within: float | None = None,
     on_step: Callable[[Simulation], None] | None = None,
+    ranks: Ranks | None = None,
     record: Mapping[str, OwnRecord] | None = None,
 ) -> Summary:
     """Run a case to its end; write its tables, fields, checkpoints, summary and report into a folder.
+
+    On several ranks each calls this with the same arguments; the root writes and reports.
 
     Parameters
     ----------
@@ -78,11 +83,13 @@ def run_case(
     within : float, optional, [s]
         How long before that time the checkpoint may be; 1 % of the time when left out.
     on_step : callable, optional
-        Called after every step with the simulation, before the step's rows are written.
+        Called after every step with the simulation, before the step's rows are written; on every rank.
     record : mapping of str to callable, or to (callable, float or str), optional
         Own tables by name, each written to ``records/NAME.csv``: a function of the simulation, and how often (as often
         as the tables where it is not said); see `rdpm.simulation.record.Record` for what it may give. Checkpoints hold
         no functions: to continue a table, give its function again with `resume`.
+    ranks : Ranks, optional
+        That share the run; those that a launcher started when left out.
 
     Returns
     -------
@@ -97,34 +104,37 @@ def run_case(
     GuardError, OutputError
         The run was stopped, or the disk is full; what was written stays, the last good checkpoint too.
     """
-    working_ranks()  # refuses several before anything is written
+    ranks = world() if ranks is None else ranks
     files = RunFolder(Path(folder))
-    with locked(files.lock):
-        teller = _Teller(files.log, reporter)
-        case, saved, summary = _start(case, files, teller, resume, start, within)
+    with guarding(ranks), locked(files.lock, ranks):
+        teller = _Teller(files.log, reporter, ranks)
+        leave = FIELDS if ranks.size > 1 else frozenset()
+        case, saved, summary = on_root(ranks, lambda: _start(case, files, teller, resume, start, within, leave))
         if summary is None:
             summary = _Run(
                 case, files, threads, teller, saved, resume and saved is not None, on_step, record or {}
             ).to_end()
-        if summary.status == "done" and case.output.report and not _is_reported(files):
-            _report(files, case.output.video, teller)
+        on_root(ranks, lambda: _report(case, files, summary, teller))
         return summary
 
 
 def _start(
     case: Case, files: RunFolder, teller: _Teller, resume: bool, start: tuple[Path, float | None] | None,
-    within: float | None,
+    within: float | None, leave: Container[str],
 ) -> tuple[Case, Saved | None, Summary | None]:
-    """The case that is run, where from, and the summary of a run that has nothing left to do."""
+    """The case that is run, where from, and the summary of a run that has nothing left to do.
+
+    Arrays to `leave` are not read from the checkpoint.
+    """
     if start is not None and not resume:
-        saved = load_newest(RunFolder(Path(start[0])), teller.warn, start[1], within)
+        saved = load_newest(RunFolder(Path(start[0])), teller.warn, start[1], within, leave)
         return case_to_branch(case, saved), saved, None
     if not resume:
         return case, None, None
     if _is_untouched(files):
         teller.note(f"{files} holds no run to continue: it begins here")
         return case, None, None
-    saved = load_newest(files, teller.warn)
+    saved = load_newest(files, teller.warn, leave=leave)
     case = case_to_continue(case, saved, teller.note)
     done = _finished(files, case, saved)
     if done is not None:
@@ -162,17 +172,20 @@ def _is_reported(files: RunFolder) -> bool:
     return report.is_file() and summary.is_file() and report.stat().st_mtime_ns >= summary.stat().st_mtime_ns
 
 
-def _report(files: RunFolder, video: bool, teller: _Teller) -> None:
+def _report(case: Case, files: RunFolder, summary: Summary, teller: _Teller) -> None:
+    if summary.status != "done" or not case.output.report or _is_reported(files):
+        return
     from rdpm.figures.report import make_report  # loads the libraries that draw
 
-    make_report(files.path, video=video, progress=lambda text: teller.tell("note", text))
+    make_report(files.path, video=case.output.video, progress=lambda text: teller.tell("note", text))
 
 
 class _Teller:
-    """Tells the log and the reporter; a terminal that is gone does not stop a run."""
+    """Tells the log and the reporter, on the root; a terminal that is gone does not stop a run."""
 
-    def __init__(self, path: Path, reporter: Reporter | None) -> None:
-        self._path, self._reporter = path, reporter
+    def __init__(self, path: Path, reporter: Reporter | None, ranks: Ranks) -> None:
+        self.ranks, self._is_root = ranks, ranks.rank == 0
+        self._path, self._reporter = path, reporter if self._is_root else None
         self._waiting: list[str] | None = []  # until the run begins: one that is refused writes nothing
         self.warnings: tuple[RunWarning, ...] = ()
 
@@ -200,6 +213,8 @@ class _Teller:
             self.tell("note", f"warning: {told}")
 
     def _log(self, lines: str) -> None:
+        if not self._is_root:
+            return
         with reporting(self._path), self._path.open("a", encoding="utf-8") as file:
             file.write(lines)
 
@@ -229,11 +244,14 @@ class _Run:
         self.saved, self.is_same = saved, is_same
         # Adaptive steps stay tied to the contact step with which the run began, whatever its end is now.
         contact_step = saved.facts["contact_step_s"] if saved is not None and is_same else None
-        self.simulation = simulation = Simulation(case, threads, contact_step=contact_step)
+        self.ranks = ranks = teller.ranks
+        self.simulation = simulation = together(
+            ranks, lambda: Simulation(case, threads, contact_step=contact_step, ranks=ranks)
+        )
         if on_step is not None:
             simulation.on_step(lambda _: on_step(simulation))
         if saved is not None:
-            restore(self.simulation, saved, is_same)
+            together(ranks, lambda: restore(simulation, saved, is_same))
         own = [(_own_record(simulation, name, given), files.record(name)) for name, given in record.items()]
         self.records = RecordTables(simulation, own)
         if saved is not None:
@@ -242,14 +260,10 @@ class _Run:
     def to_end(self) -> Summary:
         case, files, simulation, saved = self.case, self.files, self.simulation, self.saved
         text = case_to_toml(case)
-        self.teller.begin()
-        with reporting(files.path):
-            files.checkpoints.mkdir(exist_ok=True)
-        with replacing(files.case) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+        on_root(self.ranks, lambda: self._begin(text))
         self.teller.tell("start", simulation.plan)
         used = simulation.fluid.grid.threads if simulation.fluid else 1
-        for warning in (*planned(simulation.plan), *crowded(used)):
+        for warning in (*planned(simulation.plan), *crowded(used * self.ranks.sharers)):
             self.teller.warn(warning, is_logged=not self.is_same)
         output = case.output
         resumed = (saved.part("recorder"), saved.facts["recorder"]) if saved is not None and self.is_same else None
@@ -259,23 +273,32 @@ class _Run:
             every = output.checkpoint_every or 0.0
             checkpoints = Checkpoints(simulation, recorder, files, text, every, output.checkpoints_kept)
             if saved is not None and self.is_same:
-                discard_later(saved)
+                on_root(self.ranks, partial(discard_later, saved))
             else:
                 checkpoints.write()
             self.saved = saved = None  # the arrays are no longer needed
             status = self._advance(recorder, checkpoints)
             recorder.close()
-        summary = self._summarise(recorder, status)
+        self._tell_messages()
+        summary = on_root(self.ranks, lambda: self._summarise(recorder, status))
         for warning in summary.warning_details:
             self.teller.warn(warning)
         if status == "done":
             self.teller.tell("finish", summary)
         return summary
 
+    def _begin(self, text: str) -> None:
+        """Write what a run has before its first step."""
+        self.teller.begin()
+        with reporting(self.files.path):
+            self.files.checkpoints.mkdir(exist_ok=True)
+        with replacing(self.files.case) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+
     def _advance(self, recorder: Recorder, checkpoints: Checkpoints) -> str:
         simulation = self.simulation
         try:
-            with listening() as request:
+            with listening(self.ranks) as request:
                 simulation.on_step(checkpoints.step)
                 simulation.on_step(request.check)  # last: by then all of the step is written
                 try:
@@ -290,12 +313,21 @@ class _Run:
                 self.teller.note(str(error), is_shown=False)
             with suppress(RdpmError):
                 recorder.close()
+            guard = getattr(error, "guard", "failed")
             with suppress(RdpmError):
-                self._summarise(recorder, getattr(error, "guard", "failed"))
-            if isinstance(error, GuardError):
+                on_root(self.ranks, lambda: self._summarise(recorder, guard))
+            if isinstance(error, GuardError) and self.ranks.rank == 0:
                 self._tell_last_good()
             raise
         return status
+
+    def _tell_messages(self) -> None:
+        """What the ranks had to say to each other, into the log."""
+        ranks, steps = self.ranks, max(1, self.simulation.steps)
+        if ranks.size > 1:
+            told = f"{ranks.seconds:.3g} s in messages of rank 0"
+            sent = f"{ranks.messages / steps:.1f} of them and {1e-6 * ranks.sent_bytes / steps:.3g} MB a step sent"
+            self.teller.note(f"{ranks.size} ranks: {told}, {sent}", is_shown=False)
 
     def _summarise(self, recorder: Recorder, status: str) -> Summary:
         summary = summarise(self.simulation, recorder, self.files, status, self.teller.warnings)

@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+from rdpm.parallel.ranks import ALONE, Ranks
+
 __all__ = ["Interrupted", "StopRequest", "listening"]
 
 
@@ -16,10 +18,16 @@ class Interrupted(Exception):  # noqa: N818 (no error: the end of the run was re
 
 
 class StopRequest:
-    """Remembers that a signal came."""
+    """Remembers that a signal came.
 
-    def __init__(self) -> None:
-        self.signal = ""
+    Parameters
+    ----------
+    ranks : Ranks
+        Which end together, at the end of the same step.
+    """
+
+    def __init__(self, ranks: Ranks = ALONE) -> None:
+        self.signal, self._ranks = "", ranks
 
     def ask(self, number: int, _frame: FrameType | None) -> None:
         """Take note of a signal; a second one raises KeyboardInterrupt at once."""
@@ -29,13 +37,20 @@ class StopRequest:
 
     def check(self, _simulation: object) -> None:
         """Raise `Interrupted` if a signal came; for the end of a step."""
-        if self.signal:
-            raise Interrupted(self.signal)
+        number = signal.Signals[self.signal].value if self.signal else 0
+        number = int(self._ranks.table([number]).max())
+        if number:
+            raise Interrupted(signal.Signals(number).name)
 
 
 @contextmanager
-def listening() -> Iterator[StopRequest]:
+def listening(ranks: Ranks = ALONE) -> Iterator[StopRequest]:
     """Have SIGINT, SIGTERM and SIGHUP (a lost terminal) ask instead of kill, until the block is left.
+
+    Parameters
+    ----------
+    ranks : Ranks
+        A signal to one of them ends all.
 
     Yields
     ------
@@ -49,7 +64,7 @@ def listening() -> Iterator[StopRequest]:
     ...     request.signal
     'SIGTERM'
     """
-    request = StopRequest()
+    request = StopRequest(ranks)
     if threading.current_thread() is not threading.main_thread():
         yield request
         return

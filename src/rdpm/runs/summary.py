@@ -11,7 +11,6 @@ from rdpm.contacts import HardSphere
 from rdpm.design import Design
 from rdpm.io.provenance import environment, peak_memory_bytes
 from rdpm.io.tables import read_table
-from rdpm.parallel.ranks import working_ranks
 from rdpm.results.dkt import DktPhases, from_particles_table
 from rdpm.results.run_folder import RunFolder
 from rdpm.results.summary import BodySummary, ContactDesign, ContactTotals, DesignQuantity, PairDesign, Summary
@@ -93,7 +92,7 @@ def _grid_and_cost(simulation: Simulation) -> dict[str, Any]:
         "ns_per_cell_step": 1e9 * wall / (cells * steps) if cells and steps else None,
         "parts_s": dict(simulation.system.watch.seconds),
         "threads": fluid.grid.threads if fluid else 1,
-        "ranks": working_ranks(),
+        "ranks": simulation.system.ranks.size,
         "peak_memory_bytes": peak_memory_bytes(),
         "max_divergence": simulation.max_divergence if fluid else None,
     }

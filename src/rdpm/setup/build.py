@@ -19,12 +19,15 @@ from rdpm.coupling.system import System
 from rdpm.errors import CaseError
 from rdpm.fluid import Fluid
 from rdpm.grid import Box, Grid
+from rdpm.parallel.ranks import Ranks, world
 from rdpm.parallel.threads import available_threads
 from rdpm.particles.calibration import CALIBRATION, Calibration
 from rdpm.particles.immersed import ImmersedBodies
 from rdpm.particles.prescribed import Motion, Prescription
+from rdpm.particles.shared import SharedBodies
 from rdpm.particles.state import Bodies
 from rdpm.setup.inflow import inflow_of
+from rdpm.setup.on_ranks import slab_of
 from rdpm.setup.plan import Plan, plan
 from rdpm.simulation.record import Record
 from rdpm.simulation.time_loop import TimeLoop
@@ -45,6 +48,8 @@ class Simulation(TimeLoop):
         Other fitted numbers than those rdpm was validated with.
     contact_step : float, optional, [s]
         Step that the contacts' parameters are tied to, where adaptive steps continue those of another run.
+    ranks : Ranks, optional
+        That share the box; those that a launcher started when left out.
 
     Attributes
     ----------
@@ -73,10 +78,12 @@ class Simulation(TimeLoop):
         threads: int | None = None,
         calibration: Calibration = CALIBRATION,
         contact_step: float | None = None,
+        ranks: Ranks | None = None,
     ) -> None:
         self.case = case if isinstance(case, Case) else load_case(case)
         self.plan = plan(self.case, contact_step)
-        system = _system(self.plan, threads or available_threads(), calibration)
+        ranks = world() if ranks is None else ranks
+        system = _system(self.plan, threads or available_threads(ranks.sharers), calibration, ranks)
         super().__init__(system, self.plan.step.dt, self.plan.step_control)
 
     def record(self, name: str, function: Callable[[Self], Any], every: float | str | None = None) -> Record:
@@ -131,7 +138,7 @@ def interval_of(name: str, every: float | str | None, case: Case) -> float:
         raise CaseError(place, every, error.rule, error.reason, error.cure or 'Write 1e-3, or "1 ms".') from None
 
 
-def _system(made: Plan, threads: int, calibration: Calibration) -> System:
+def _system(made: Plan, threads: int, calibration: Calibration, ranks: Ranks) -> System:
     case, fluid = made.case, made.case.fluid
     bodies, prescription = _bodies(case)
     domain = case.domain
@@ -139,9 +146,10 @@ def _system(made: Plan, threads: int, calibration: Calibration) -> System:
     box = Box(domain.size, domain.kinds, np.array(domain.wall_velocities), walls, inflow_of(case))
     gravity = np.array(domain.gravity)
     if fluid is None or made.cells is None:
-        return System(bodies, _contacts(made, bodies, box, None, calibration, threads), prescription, gravity)
-    grid = Grid(box, made.cells, threads)
-    flow = Fluid(grid, fluid.density, fluid.nu, made.step.is_explicit)
+        contacts = _contacts(made, bodies, box, None, calibration, threads)
+        return System(bodies, contacts, prescription, gravity, ranks=ranks)
+    grid = Grid(box, made.cells, threads, slab_of(made, bodies, ranks))
+    flow = Fluid(grid, fluid.density, fluid.nu, made.step.is_explicit, ranks)
     flow.set_velocity(*fluid.initial_velocity)
     lubrication = None
     if case.contact.lubrication and len(bodies):
@@ -149,12 +157,13 @@ def _system(made: Plan, threads: int, calibration: Calibration) -> System:
         separation = 1.0 if case.contact.lubrication_in_separation else 0.0
         lubrication = lubrication_correction(fluid.mu, h, case.contact.lubrication_roughness, calibration, separation)
     contacts = _contacts(made, bodies, box, lubrication, calibration, threads)
-    immersed = None
+    immersed: ImmersedBodies | SharedBodies | None = None
     if len(bodies) or box.walls:
-        immersed = ImmersedBodies(bodies, flow, gravity, calibration, made.step.longest is not None)
+        kind = ImmersedBodies if ranks.size == 1 else SharedBodies
+        immersed = kind(bodies, flow, gravity, calibration, made.step.longest is not None)
     initial = np.array(fluid.initial_velocity)
     mean_flow = MeanFlow(np.array(fluid.acceleration), case.zero_mean_flow, fluid.density * grid.volume, initial)
-    return System(bodies, contacts, prescription, gravity, flow, immersed, mean_flow)
+    return System(bodies, contacts, prescription, gravity, flow, immersed, mean_flow, ranks=ranks)
 
 
 def _bodies(case: Case) -> tuple[Bodies, Prescription]:

@@ -64,7 +64,8 @@ def check_step(system: System, dt: float) -> None:
     if fluid is None:
         return
     if not np.isfinite(fluid.square_sum):
-        place = _first_bad(system)
+        places = [str(system.ranks.share(_first_bad(system), rank)) for rank in range(system.ranks.size)]
+        place = next(filter(None, places), "velocity")
         raise NanError(
             f"nan guard, {when}: {place}",
             None,
@@ -149,11 +150,14 @@ def check_divergence(system: System) -> float:
 
 
 def _first_bad(system: System) -> str:
+    """A place of this rank, or nothing."""
     assert system.fluid is not None
+    grid = system.fluid.grid
+    below = grid.slab.first if grid.slab is not None else 0
     for name, field in zip("uvw", system.fluid.velocity, strict=True):
         bad = np.argwhere(~np.isfinite(field[1:-1, 1:-1, 1:-1]))
         if len(bad):
             k, j, i = (int(n) for n in bad[0])
-            x, y, z = ((n + 0.5) * h for n, h in zip((i, j, k), system.fluid.grid.spacing, strict=True))
+            x, y, z = ((n + 0.5) * h for n, h in zip((i, j, k + below), grid.spacing, strict=True))
             return f"{name} near ({x:.4g}, {y:.4g}, {z:.4g}) m"
-    return "velocity"
+    return ""

@@ -11,6 +11,7 @@ from rdpm.coupling.step import step
 from rdpm.coupling.system import System
 from rdpm.errors import CaseError
 from rdpm.fluid import Fluid
+from rdpm.parallel.agreement import together
 from rdpm.particles.state import Bodies
 from rdpm.simulation.guards import check_divergence, check_step
 from rdpm.simulation.record import Record
@@ -165,6 +166,16 @@ class TimeLoop:
             self.dt, is_isolated = self.step_control.choose(self.system, self.dt)
             left = min([left, *(every.next_after(self.time) - self.time for every in self._asked)])
         self.last_dt = dt = _fitted(self.dt, left)
+        together(self.system.ranks, lambda: self._step(dt, is_isolated))
+        if self.steps % DIVERGENCE_EVERY == 0:
+            self.check_divergence()
+        self.wall_seconds += clock.perf_counter() - begin
+        for every, callback in self._callbacks:
+            if self.steps % every == 0:
+                callback(self)
+
+    def _step(self, dt: float, is_isolated: bool) -> None:
+        """One step that passes its guards."""
         try:
             step(self.system, dt, is_isolated)
         except ValueError:
@@ -174,16 +185,10 @@ class TimeLoop:
             raise
         self.shortest_dt, self.longest_dt = min(self.shortest_dt or dt, dt), max(self.longest_dt, dt)
         check_step(self.system, dt)
-        if self.steps % DIVERGENCE_EVERY == 0:
-            self.check_divergence()
-        self.wall_seconds += clock.perf_counter() - begin
-        for every, callback in self._callbacks:
-            if self.steps % every == 0:
-                callback(self)
 
     def check_divergence(self) -> float:
         """Largest divergence now [1/s]; remembered over the run."""
-        divergence = check_divergence(self.system)
+        divergence = together(self.system.ranks, lambda: check_divergence(self.system))
         self.max_divergence = max(self.max_divergence, divergence)
         return divergence
 

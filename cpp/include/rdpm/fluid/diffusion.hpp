@@ -9,6 +9,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "rdpm/grid/grid.hpp"
@@ -43,9 +44,10 @@ struct EndPlane {
 };
 
 inline EndPlane end_plane(const Grid& g, int k, int neighbour, int component) {
-    if (g.boundary[2] == periodic || (neighbour >= 1 && neighbour <= g.nz())) {
+    const bool is_below = neighbour < 1, is_inside = !is_below && neighbour <= g.nz();
+    if (is_inside || !g.has_face(2, is_below ? 0 : 1)) {
         // The top face of a walled box is the wall: its change is zero.
-        const bool at_wall = component == face_z && g.boundary[2] != periodic && neighbour == g.nz();
+        const bool at_wall = component == face_z && neighbour == g.nz() && g.has_face(2, 1);
         return {at_wall, at_wall ? 0.0 : 1.0};
     }
     if (component == face_z) return {true, 0.0};
@@ -53,15 +55,19 @@ inline EndPlane end_plane(const Grid& g, int k, int neighbour, int component) {
 }
 
 // velocity += D_s for one component, of two stages or more. The rate's halo is filled, as a change's.
-// `scratch`: 3 (stages-2) planes a thread.
+// `scratch`: 3 (stages-2) planes a thread. `beyond`: of a slab, stages-1 planes of the rate below it and as
+// many above.
 inline void stabilised_diffusion(const Grid& g, double* velocity, double* rate, int component, double nu,
-                                 const std::vector<Stage>& stage, double* scratch) {
+                                 const std::vector<Stage>& stage, double* scratch,
+                                 std::array<double*, 2> beyond) {
     const int stages = static_cast<int>(stage.size()), nx = g.nx(), ny = g.ny(), nz = g.nz();
     const std::size_t plane = g.plane(), row = g.row();
     const double cx = nu / (g.spacing[0] * g.spacing[0]), cy = nu / (g.spacing[1] * g.spacing[1]),
                  cz = nu / (g.spacing[2] * g.spacing[2]);
     const int last_plane = component == face_z ? g.last_face(2) : nz;
-    const bool wraps = g.boundary[2] == periodic;
+    const bool wraps = g.wraps(2);
+    const int lowest = g.has_face(2, 0) ? 1 : 1 - stages,
+              highest = g.has_face(2, 1) ? last_plane : nz + stages;
     const int threads = std::min(g.threads, nz);
     const double first_weight = stage[0].rate;  // D_1 = first_weight M
 #pragma omp parallel num_threads(threads)
@@ -69,10 +75,15 @@ inline void stabilised_diffusion(const Grid& g, double* velocity, double* rate, 
         const int team = omp_get_num_threads(), me = omp_get_thread_num();
         auto [first, last] = share_of(nz, me, team);
         for (int k = first; k < last; ++k) fill_plane_halo(g, rate + k * plane, component, Walls::at_rest);
+        for (int side = 0; g.is_slab() && me == 0 && side < 2; ++side)
+            for (int k = 0; g.joined[side] && k < stages - 1; ++k)
+                fill_plane_halo(g, beyond[side] + k * plane, component, Walls::at_rest);
 #pragma omp barrier
         last = std::min(last, last_plane + 1);
         double* mine = scratch + static_cast<std::size_t>(3 * (stages - 2)) * plane * me;
         const auto rate_plane = [&](int k) {
+            if (k < 1 && g.joined[0]) return beyond[0] + (k + stages - 2) * plane;
+            if (k > nz && g.joined[1]) return beyond[1] + (k - nz - 1) * plane;
             return rate + (wraps ? (((k - 1) % nz + nz) % nz) + 1 : k) * plane;
         };
         const auto ring = [&](int j, int k) {  // plane k of D_j, 2 <= j < stages
@@ -82,7 +93,7 @@ inline void stabilised_diffusion(const Grid& g, double* velocity, double* rate, 
             for (int j = 2; j <= stages; ++j) {
                 const int k = tick - (j - 2), reach = stages - j;
                 if (k < first - reach || k >= last + reach) continue;
-                if (!wraps && (k < 1 || k > last_plane)) continue;
+                if (!wraps && (k < lowest || k > highest)) continue;
                 const Stage s = stage[j - 1];
                 const EndPlane lo = end_plane(g, k, k - 1, component), hi = end_plane(g, k, k + 1, component);
                 const double* m = rate_plane(k);

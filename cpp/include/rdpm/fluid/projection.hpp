@@ -5,6 +5,10 @@
 // while the plane is in cache. The two halves are independent until they meet, so two threads never wait for
 // each other in between; more threads share the planes of a batch and the rows of modes. The arithmetic, and
 // so the result, is the same for any number of threads.
+//
+// Of a slab, `inwards` ends with the values p of its first and q of its last plane were all beyond its ends
+// zero; from those of all slabs the true values below and above it are found, with which `outwards` goes
+// back. `finish` needs the increment of the plane above, and `measure_flow` the corrected face below.
 #pragma once
 #include <omp.h>
 
@@ -55,13 +59,13 @@ class Projection {
           transform_(g),
           solver_(g.nx(), g.ny(), g.nz(), g.spacing[2],
                   mode_eigenvalues(g.nx(), g.spacing[0], g.boundary[0] == periodic),
-                  mode_eigenvalues(g.ny(), g.spacing[1], g.boundary[1] == periodic),
-                  g.boundary[2] == periodic),
+                  mode_eigenvalues(g.ny(), g.spacing[1], g.boundary[1] == periodic), g.wraps(2), g.joined),
           carry_{modes(), modes()},
-          gather_{solver_.is_periodic() ? modes() : std::vector<double>{},
-                  solver_.is_periodic() ? modes() : std::vector<double>{}},
+          gather_{solver_.has_outer(0) ? modes() : std::vector<double>{},
+                  solver_.has_outer(1) ? modes() : std::vector<double>{}},
           plane_cfl_(g.nz() + 2),
-          plane_square_(g.nz() + 2) {}
+          plane_square_(g.nz() + 2),
+          measured_above_(g.plane_here((g.whole(2) - (g.boundary[2] == periodic ? 1 : 0)) / 2)) {}
 
     const Grid& grid() const { return g_; }
     std::size_t bytes() const {
@@ -71,19 +75,36 @@ class Projection {
     // u, v, w -> divergence-free; p += phi - rotational * div(u before); phi: the pressure increment
     // [m^2/s^2].
     FlowMeasures project(VelocityArrays q, double* p, double* phi, double dt, double rotational) {
-        q_ = q;
-        p_ = p;
-        phi_ = phi;
-        dt_ = dt;
-        rotational_ = rotational;
-        run<true>();
-        return close();
+        take(q, p, phi, dt, rotational);
+        run<true>(Way::whole);
+        close();
+        return measures(q);
     }
+
+    // The three parts of the same on a slab; `ends`: p and q, then the values below and above, a plane of
+    // modes each. The faces between the last plane and the slab above are current in that slab's halo.
+    void inwards(VelocityArrays q, double* phi, double dt, std::array<double*, 2> ends) {
+        take(q, nullptr, phi, dt, 0.0);
+        ends_ = ends;
+        run<true>(Way::inwards);
+    }
+    void outwards(VelocityArrays q, double* p, double* phi, double dt, double rotational,
+                  std::array<double*, 2> ends) {
+        take(q, p, phi, dt, rotational);
+        ends_ = ends;
+        run<true>(Way::outwards);
+    }
+    void finish(VelocityArrays q, double* p, double* phi, double dt) {
+        take(q, p, phi, dt, 0.0);
+        close();
+    }
+    // Once the halo of w is current.
+    FlowMeasures measure_flow(const VelocityView& q) { return measures(q); }
 
     // phi: a right-hand side of laplacian(x) = rhs with zero mean -> x. The same passes without the velocity.
     void solve(double* phi) {
         phi_ = phi;
-        run<false>();
+        run<false>(Way::whole);
     }
 
   private:
@@ -95,27 +116,39 @@ class Projection {
     int plane_of(int half, int t) const { return half == 0 ? t + 1 : core() - t; }
     int core() const { return g_.nz() - (solver_.is_periodic() ? 1 : 0); }
 
+    enum class Way { whole, inwards, outwards };
+
+    void take(VelocityArrays q, double* p, double* phi, double dt, double rotational) {
+        q_ = q;
+        p_ = p;
+        phi_ = phi;
+        dt_ = dt;
+        rotational_ = rotational;
+    }
+
     template <bool with_flow>
-    void run() {
-        if constexpr (with_flow) prepare_normal_faces();
+    void run(Way way) {
+        const bool in = way != Way::outwards, out = way != Way::inwards;
+        if constexpr (with_flow)
+            if (in) prepare_normal_faces();
         // Halves are teams; a single thread does one after the other, then the meeting, then both back.
         const int threads = std::max(1, std::min(g_.threads, 2 * g_.ny()));
 #pragma omp parallel num_threads(threads)
         {
             const int all = omp_get_num_threads(), me = omp_get_thread_num();
             if (all == 1) {
-                for (int half = 0; half < 2; ++half) inwards<with_flow>(half, 0, 1);
-                meet(0, 1);
-                for (int half = 0; half < 2; ++half) outwards<with_flow>(half, 0, 1);
+                for (int half = 0; in && half < 2; ++half) inwards<with_flow>(half, 0, 1);
+                meet(way, 0, 1);
+                for (int half = 0; out && half < 2; ++half) outwards<with_flow>(half, 0, 1);
             } else {
                 const int lower_team = all / 2, half = me < lower_team ? 0 : 1;
                 const int team = half == 0 ? lower_team : all - lower_team,
                           rank = half == 0 ? me : me - lower_team;
-                inwards<with_flow>(half, rank, team);
+                if (in) inwards<with_flow>(half, rank, team);
 #pragma omp barrier
-                meet(me, all);
+                meet(way, me, all);
 #pragma omp barrier
-                outwards<with_flow>(half, rank, team);
+                if (out) outwards<with_flow>(half, rank, team);
             }
         }
         if (solver_.is_periodic())
@@ -125,11 +158,11 @@ class Projection {
     void prepare_normal_faces() {
         double* w = q_.w;
         const std::size_t bytes = g_.plane() * sizeof(double);
-        if (g_.boundary[2] == periodic) {
+        if (g_.wraps(2)) {
             std::memcpy(w, w + g_.nz() * g_.plane(), bytes);
         } else if (!g_.is_open(2)) {
-            std::memset(w, 0, bytes);
-            std::memset(w + g_.nz() * g_.plane(), 0, bytes);
+            if (g_.has_face(2, 0)) std::memset(w, 0, bytes);
+            if (g_.has_face(2, 1)) std::memset(w + g_.nz() * g_.plane(), 0, bytes);
         }
     }
 
@@ -186,25 +219,35 @@ class Projection {
                 double* g = inner(plane_of(half, t));
                 const double* before = t > 0 ? inner(plane_of(half, t - 1)) : nullptr;
                 for (int j = first - 1; j < last - 1; ++j)
-                    solver_.eliminate(t, j, g + j * g_.row(), before ? before + j * g_.row() : nullptr,
-                                      gather_[half].data() + (solver_.is_periodic() ? row_of_modes(j) : 0));
+                    solver_.eliminate(half, t, j, g + j * g_.row(), before ? before + j * g_.row() : nullptr,
+                                      gathered(half, j));
             }
         }
         if (half == 1 && solver_.is_periodic() && rank == 0) load_and_transform<with_flow>(g_.nz());
     }
 
-    void meet(int rank, int team) {
+    double* gathered(int half, int j) {
+        return gather_[half].data() + (solver_.has_outer(half) ? row_of_modes(j) : 0);
+    }
+
+    void meet(Way way, int rank, int team) {
         const auto [first, last] = share_of(g_.ny(), rank, team);
         const int nx = g_.nx();
         const double *lower = inner(plane_of(0, solver_.planes(0) - 1)),
                      *upper = inner(plane_of(1, solver_.planes(1) - 1));
         for (int j = first - 1; j < last - 1; ++j) {
             double *a = carry_[0].data() + row_of_modes(j), *b = carry_[1].data() + row_of_modes(j);
+            if (way == Way::outwards) {
+                solver_.join(j, a, b, ends_[0] + row_of_modes(j), ends_[1] + row_of_modes(j));
+                continue;
+            }
             std::copy_n(lower + j * g_.row(), nx, a);
             std::copy_n(upper + j * g_.row(), nx, b);
-            if (solver_.is_periodic())
-                solver_.meet(j, a, b, gather_[0].data() + row_of_modes(j),
-                             gather_[1].data() + row_of_modes(j), inner(g_.nz()) + j * g_.row());
+            if (way == Way::inwards)
+                solver_.at_ends(j, a, b, gathered(0, j), gathered(1, j), ends_[0] + row_of_modes(j),
+                                ends_[1] + row_of_modes(j));
+            else if (solver_.is_periodic())
+                solver_.meet(j, a, b, gathered(0, j), gathered(1, j), inner(g_.nz()) + j * g_.row());
             else
                 solver_.meet(j, a, b, nullptr, nullptr, nullptr);
         }
@@ -214,30 +257,42 @@ class Projection {
     void outwards(int half, int rank, int team) {
         const int planes = solver_.planes(half), ny = g_.ny(), nx = g_.nx();
         const auto [first, last] = share_of(ny, rank, team);
+        int face = -1;  // corrected last
         for (int done = 0; done < planes; done += team) {
             for (int n = done; n < std::min(done + team, planes); ++n) {
                 const int t = planes - 1 - n;
                 double* g = inner(plane_of(half, t));
                 for (int j = first - 1; j < last - 1; ++j) {
                     double* carry = carry_[half].data() + row_of_modes(j);
-                    if (n > 0)
-                        solver_.substitute(t, j, g + j * g_.row(), carry,
-                                           solver_.is_periodic() ? closing(j) : nullptr);
+                    if (n > 0) solver_.substitute(half, t, j, g + j * g_.row(), carry, outer(half, j));
                     std::copy_n(carry, nx, g + j * g_.row());
                 }
             }
             barrier_[half].wait(team);
+            if constexpr (with_flow)
+                if (g_.is_slab()) measure_beyond(half, face);
             const int n = done + rank, k = plane_of(half, planes - 1 - std::min(n, planes - 1));
             if (n < planes) {
                 transform_.backward(inner(k));
                 if constexpr (with_flow) update_pressure(k);
             }
             barrier_[half].wait(team);  // the divergence of the planes beside was still needed
-            if constexpr (with_flow)
-                if (n < planes) correct(k, n == 0 ? -1 : half == 0 ? k : k - 1);
+            if constexpr (with_flow) {
+                face = n == 0 || n >= planes ? -1 : half == 0 ? k : k - 1;
+                if (n < planes) correct(k, face);
+            }
         }
+        if constexpr (with_flow)
+            if (g_.is_slab()) {
+                barrier_[half].wait(team);
+                measure_beyond(half, face);
+            }
     }
-    const double* closing(int j) const { return inner(g_.nz()) + j * g_.row(); }
+    // The value beyond an end: of the last plane, left out of the elimination, or of another slab.
+    const double* outer(int half, int j) const {
+        if (!solver_.has_outer(half)) return nullptr;
+        return solver_.is_periodic() ? inner(g_.nz()) + j * g_.row() : ends_[half] + row_of_modes(j);
+    }
 
     // p += phi - rotational * div(u), before any face around plane k is corrected.
     void update_pressure(int k) {
@@ -286,7 +341,7 @@ class Projection {
         fill_plane_halo(g_, v, face_y, Walls::moving);
         if (face < 0) return;  // a middle plane: the face between the halves is still to come
         correct_faces(face, face + 1);
-        measure(k, face, face);
+        measure_with(k, face);
     }
 
     // w between the planes `below` and `above`.
@@ -302,11 +357,23 @@ class Projection {
         fill_plane_halo(g_, w, face_z, Walls::moving);
     }
 
+    // Planes up to the middle of the box are measured with the face above them, those beyond it with the face
+    // below, wherever the box is cut. The first of the latter counts the last face, and is left to the end.
+    int left_to_end() const { return std::max(1, measured_above_ + 1); }
+    void measure_with(int k, int face) {
+        if (k >= 1 && k <= g_.nz() && k != left_to_end() && face == (k <= measured_above_ ? k : k - 1))
+            measure(q_, k, face, face);
+    }
+    // In a slab the other plane at a face may be the one that is measured with it; it is corrected by then.
+    void measure_beyond(int half, int face) {
+        if (face >= 0) measure_with(half == 0 ? face + 1 : face, face);
+    }
+
     // Plane k with the plane `face` of w beside it; `counted`: the plane of w whose squares are added here.
-    void measure(int k, int face, int counted) {
+    void measure(const VelocityView& q, int k, int face, int counted) {
         const std::size_t row = g_.row();
-        const double *u = q_.u + k * g_.plane(), *v = q_.v + k * g_.plane();
-        const double *w = q_.w + face * g_.plane(), *w_counted = q_.w + counted * g_.plane();
+        const double *u = q.u + k * g_.plane(), *v = q.v + k * g_.plane();
+        const double *w = q.w + face * g_.plane(), *w_counted = q.w + counted * g_.plane();
         const double ix = 1.0 / g_.spacing[0], iy = 1.0 / g_.spacing[1], iz = 1.0 / g_.spacing[2];
         double most = 0.0, sum = 0.0;
         for (int j = 1; j <= g_.ny(); ++j) {
@@ -322,29 +389,37 @@ class Projection {
         plane_square_[k] = sum;
     }
 
-    // What lies between the halves and across the ends, then the end planes' halos and the sums in fixed
-    // order.
-    FlowMeasures close() {
+    // What lies between the halves and across the ends, then the end planes' halos.
+    void close() {
         const int nz = g_.nz(), middle = plane_of(0, solver_.planes(0) - 1);
         if (solver_.is_periodic()) {
             update_pressure(nz);
             correct(nz, nz - 1);
             correct_faces(nz, 1);
         } else {
-            fill_plane_halo(g_, q_.w, face_z, Walls::moving);
-            fill_plane_halo(g_, q_.w + nz * g_.plane(), face_z, Walls::moving);
+            if (g_.has_face(2, 0)) fill_plane_halo(g_, q_.w, face_z, Walls::moving);
+            if (g_.has_face(2, 1)) {
+                fill_plane_halo(g_, q_.w + nz * g_.plane(), face_z, Walls::moving);
+            } else {
+                correct_faces(nz, nz + 1);
+                measure_with(nz, nz);
+            }
         }
         correct_faces(middle, middle + 1);
-        // Planes below the middle count the face above them, those beyond it the face below: the last one is
-        // left.
-        measure(middle, middle, middle);
-        measure(middle + 1, middle, nz);
+        measure_with(middle, middle);
+        measure_with(middle + 1, middle);
         for (int c = 0; c < 3; ++c) fill_end_planes(g_, c == 0 ? q_.u : c == 1 ? q_.v : q_.w, c);
         fill_end_planes(g_, p_, centre);
+    }
+
+    // The sums in fixed order.
+    FlowMeasures measures(const VelocityView& q) {
+        const int nz = g_.nz(), k = left_to_end();
+        if (k <= nz) measure(q, k, k - 1, nz);
         FlowMeasures all;
-        for (int k = 1; k <= nz; ++k) {
-            all.cfl_rate = std::max(all.cfl_rate, plane_cfl_[k]);
-            all.square_sum += plane_square_[k];
+        for (int n = 1; n <= nz; ++n) {
+            all.cfl_rate = std::max(all.cfl_rate, plane_cfl_[n]);
+            all.square_sum += plane_square_[n];
         }
         return all;
     }
@@ -354,10 +429,12 @@ class Projection {
     Tridiagonal solver_;
     std::vector<double> carry_[2], gather_[2];
     std::vector<double> plane_cfl_, plane_square_;
+    int measured_above_;  // the last plane that is measured with the face above it
     TeamBarrier barrier_[2];
     VelocityArrays q_{};
     double *p_ = nullptr, *phi_ = nullptr;
     double dt_ = 1.0, rotational_ = 0.0;
+    std::array<double*, 2> ends_{};
 };
 
 }  // namespace rdpm

@@ -24,6 +24,10 @@ struct Grid {
     std::array<int, 3> boundary{};           // of the x, y, z pairs
     std::array<double, 18> wall_velocity{};  // [face][component] [m/s]; x_lower, x_upper, y_lower, ...
     int threads = 1;
+    // A slab of a box cut across z: planes of the box below it, planes of the whole box (0: it is the box),
+    // and whether its lower and upper end adjoin another slab, from which their halo comes.
+    int planes_below = 0, box_planes = 0;
+    std::array<bool, 2> joined{};
 
     int nx() const { return cells[0]; }
     int ny() const { return cells[1]; }
@@ -43,13 +47,25 @@ struct Grid {
 
     // The same cells and boundaries: what was made for one serves the other.
     bool is_like(const Grid& other) const {
-        return cells == other.cells && spacing == other.spacing && boundary == other.boundary;
+        return cells == other.cells && spacing == other.spacing && boundary == other.boundary &&
+               planes_below == other.planes_below && box_planes == other.box_planes && joined == other.joined;
+    }
+
+    bool is_slab() const { return box_planes > 0; }
+    // Of the box, of which this may be a slab.
+    int whole(int direction) const { return direction == 2 && is_slab() ? box_planes : cells[direction]; }
+    // Index of a plane of the box, 1 to `whole(2)`, among those of the slab.
+    int plane_here(int plane) const { return plane - planes_below; }
+    // Whether the first plane follows the last one here: the planes of a slab end at other slabs.
+    bool wraps(int direction) const {
+        return boundary[direction] == periodic && !(direction == 2 && is_slab());
+    }
+    bool has_face(int direction, int side) const {
+        return boundary[direction] != periodic && !(direction == 2 && joined[side]);
     }
 
     // Planes whose normal face is inside the box: the last face of a walled direction is the wall itself.
-    int last_face(int direction) const {
-        return cells[direction] - (boundary[direction] == periodic ? 0 : 1);
-    }
+    int last_face(int direction) const { return cells[direction] - (has_face(direction, 1) ? 1 : 0); }
 };
 
 // The planes [first, last) of 1..n that thread `t` of `threads` owns.
@@ -130,28 +146,35 @@ inline void fill_plane_halo(const Grid& g, double* q, int location, Walls walls)
     }
 }
 
-// The two halo planes in z, from planes whose own halos are current.
+// The two halo planes in z, from planes whose own halos are current; not those that come from another slab.
 inline void fill_end_planes(const Grid& g, double* q, int location) {
     const std::size_t plane = g.plane();
     const int nz = g.nz();
     double *bottom = q, *top = q + (nz + 1) * plane;
-    if (g.boundary[2] == periodic) {
+    if (g.wraps(2)) {
         for (std::size_t i = 0; i < plane; ++i) {
             bottom[i] = q[nz * plane + i];
             top[i] = q[plane + i];
         }
-    } else if (location == face_z && g.is_open(2)) {
-        for (std::size_t i = 0; i < plane; ++i) top[i] = q[nz * plane + i];
-    } else if (location == face_z) {
-        for (std::size_t i = 0; i < plane; ++i) {
-            bottom[i] = q[nz * plane + i] = 0.0;
-            top[i] = -q[(nz - 1) * plane + i];
-        }
-    } else {
-        const Mirror lower = mirror(g, 4, location), upper = mirror(g, 5, location);
-        for (std::size_t i = 0; i < plane; ++i) {
-            bottom[i] = lower.sign * q[plane + i] + lower.offset;
-            top[i] = upper.sign * q[nz * plane + i] + upper.offset;
+        return;
+    }
+    const bool on_faces = location == face_z;
+    if (g.has_face(2, 0) && !(on_faces && g.is_open(2))) {
+        const Mirror lower = mirror(g, 4, location);
+        for (std::size_t i = 0; i < plane; ++i)
+            bottom[i] = on_faces ? 0.0 : lower.sign * q[plane + i] + lower.offset;
+    }
+    if (g.has_face(2, 1)) {
+        if (on_faces && g.is_open(2)) {
+            for (std::size_t i = 0; i < plane; ++i) top[i] = q[nz * plane + i];
+        } else if (on_faces) {
+            for (std::size_t i = 0; i < plane; ++i) {
+                q[nz * plane + i] = 0.0;
+                top[i] = -q[(nz - 1) * plane + i];
+            }
+        } else {
+            const Mirror upper = mirror(g, 5, location);
+            for (std::size_t i = 0; i < plane; ++i) top[i] = upper.sign * q[nz * plane + i] + upper.offset;
         }
     }
 }

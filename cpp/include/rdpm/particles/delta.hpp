@@ -25,9 +25,10 @@ struct Stencil {
 
 // Stencil of a point at x along direction d for values on faces (of d) or at centres. Folded: a halo value is
 // sign * inner + (1 - sign) * wall speed, so its weight goes to the inner value; a periodic index is wrapped.
-// `location`: the component whose values these are, which decides the sign at a side.
+// `location`: the component whose values these are, which decides the sign at a side. In a slab, indices are
+// its own and what lies in planes of others has no weight.
 inline Stencil stencil_along(const Grid& g, int d, double x, int location) {
-    const int n = g.cells[d];
+    const int n = g.whole(d);
     const bool on_faces = d == location;
     const double s = x / g.spacing[d] + (on_faces ? 0.0 : 0.5);  // in index units: face i at i, centre i at i
     const int middle = static_cast<int>(std::floor(s + 0.5));
@@ -58,6 +59,10 @@ inline Stencil stencil_along(const Grid& g, int d, double x, int location) {
             i = i < 1 ? 1 - i : 2 * n + 1 - i;
             weight *= sign;
             if (i < 1 || i > n) weight = 0.0, i = 1;
+        }
+        if (d == 2 && g.is_slab()) {
+            i = g.plane_here(i);
+            if (i < 1 || i > g.nz()) weight = 0.0, i = 1;
         }
         out.index[a] = i;
         out.weight[a] = weight;

@@ -104,11 +104,12 @@ inline int body_of(const StencilSet& set, int inner) {
            1;
 }
 
-// Velocity at the markers, (markers, 3).
+// Velocity at the markers, (markers, 3); in a slab, what its planes add to it.
 inline void interpolate(const Grid& g, const VelocityView& q, const StencilSet& set, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
     const std::size_t row = g.row(), plane = g.plane();
     const int inner = set.count_inner(), folded = static_cast<int>(set.folded.size());
+    if (g.is_slab()) std::fill(out, out + 3 * static_cast<std::ptrdiff_t>(set.count()), 0.0);
 #pragma omp parallel num_threads(g.threads) if (set.count() > few_markers)
     {
         const int team = omp_get_num_threads(), me = omp_get_thread_num();
@@ -141,6 +142,7 @@ inline void interpolate(const Grid& g, const VelocityView& q, const StencilSet& 
                        interpolate_inner<2>(row, plane, q.w, marker[n], weights, n),
                        out + 3 * marker[n].marker);
             }
+            if (g.is_slab()) weights.leave_out_planes_of_others(g, set, begin, inside, count);
             for (int n = inside; n < count; ++n) {
                 ahead.advance();
                 const WrappedPoints at(g, set, begin + n);
@@ -249,6 +251,7 @@ struct Reach {
         if (all.count() == 0) return none;
         const int lowest = body.box.lower[2] - 2, highest = body.box.upper[2] + 1, n = g.nz();
         if (lowest < 1 || highest > n) {
+            if (g.is_slab()) return all;
             // Any number of periods outside the box.
             const int low = ((lowest - 1) % n + n) % n + 1, high = highest + (low - lowest);
             for (const int shift : {-n, 0, n})

@@ -68,12 +68,12 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
         upper[d] = static_cast<int>(std::floor((reach - origin[d]) / g.spacing[d]));
         if (g.boundary[d] != periodic) {
             lower[d] = std::max(lower[d], d == c ? 0 : 1);
-            upper[d] = std::min(upper[d], g.cells[d]);
+            upper[d] = std::min(upper[d], g.whole(d));
         }
     }
     const auto wrapped = [&](int d, int i) {
         if (g.boundary[d] != periodic) return i;
-        return i < 1 ? i + g.cells[d] : i > g.cells[d] ? i - g.cells[d] : i;
+        return i < 1 ? i + g.whole(d) : i > g.whole(d) ? i - g.whole(d) : i;
     };
     // Indices within `half` of the centre, rounded outwards: what lies outside the sphere has no weight.
     const auto within = [&](int d, double half) {
@@ -81,9 +81,13 @@ inline void add_component(const Grid& g, const double* field, int c, const doubl
                          std::min(upper[d], static_cast<int>((half - origin[d]) / g.spacing[d]) + 1));
     };
     const double dx = g.spacing[0];
+    // The face at the wall below a slab is its own.
+    const int lowest = c == 2 && g.has_face(2, 0) ? 0 : 1;
     for (int k = lower[2]; k <= upper[2]; ++k) {
+        const int here = g.plane_here(wrapped(2, k));
+        if (g.is_slab() && (here < lowest || here > g.nz())) continue;
         const double z = origin[2] + k * g.spacing[2], half = std::sqrt(std::max(0.0, reach * reach - z * z));
-        const double* plane = field + wrapped(2, k) * g.plane();
+        const double* plane = field + here * g.plane();
         // All rows of a plane are read as far as its longest: the processor predicts loops of the same
         // length.
         const auto [first, last] = within(0, half);
@@ -133,16 +137,16 @@ inline bool is_within_a_period(const Grid& g, const double* centre, double radiu
     const double reach = std::sqrt(radius * radius + radius * std::cbrt(g.volume()));
     for (int d = 0; d < 3; ++d) {
         const double lower = (centre[d] - reach) / g.spacing[d], upper = (centre[d] + reach) / g.spacing[d];
-        if (!(lower > 1.0 - g.cells[d] && upper < 2.0 * g.cells[d] - 1.0)) return false;
+        if (!(lower > 1.0 - g.whole(d) && upper < 2.0 * g.whole(d) - 1.0)) return false;
     }
     return true;
 }
 
-// Mean velocity (3) and angular velocity (3) of the fluid within `radius` of each centre, (bodies, 6); sums
-// normalised by their weights. The markers are those of the same bodies: they know what to fetch ahead, and
-// in which order.
-inline void inner_motion(const Grid& g, const VelocityView& q, const StencilSet& set, const double* position,
-                         const double* radius, double* out) {
+// Sums over the fluid within `radius` of each centre, (bodies, 12): velocity (3) and its weight (3), moment
+// of velocity (3) and squared arm (3), whose ratios are mean velocity and angular velocity. The markers are
+// those of the same bodies: they know what to fetch ahead, and in which order.
+inline void inner_sums(const Grid& g, const VelocityView& q, const StencilSet& set, const double* position,
+                       const double* radius, double* out) {
     const double* field[3] = {q.u, q.v, q.w};
     const int bodies = set.bodies();
 #pragma omp parallel num_threads(g.threads) if (set.count() > few_markers)
@@ -159,14 +163,11 @@ inline void inner_motion(const Grid& g, const VelocityView& q, const StencilSet&
                           rows = 2 * across * across;  // of a ball
                 ahead.aim(set.line.data() + next.first_line, set.line.data() + next.last_line, rows);
             }
-            double mean[3] = {}, weight[3] = {}, moment[3] = {}, arm_square[3] = {};
+            double sums[12] = {};
             for (int c = 0; c < 3; ++c)
-                add_component(g, field[c], c, position + 3 * b, radius[b], ahead, mean, weight, moment,
-                              arm_square);
-            for (int c = 0; c < 3; ++c) {
-                out[6 * b + c] = weight[c] > 0.0 ? mean[c] / weight[c] : 0.0;
-                out[6 * b + 3 + c] = arm_square[c] > 0.0 ? moment[c] / arm_square[c] : 0.0;
-            }
+                add_component(g, field[c], c, position + 3 * b, radius[b], ahead, sums, sums + 3, sums + 6,
+                              sums + 9);
+            std::copy_n(sums, 12, out + 12 * b);
         }
     }
 }

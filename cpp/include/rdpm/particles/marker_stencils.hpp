@@ -4,7 +4,8 @@
 // the fields stays in the core's cache while they are worked on, and the next body's is fetched meanwhile. A
 // marker away from the faces of the box is kept as the place of its nearest centre and its distance from it,
 // and its weights are found again at each use: that is less than reading them; across a periodic face its
-// points are wrapped. Beside walls the stencils are folded, and kept.
+// points are wrapped. Beside walls the stencils are folded, and kept. In a slab a marker that touches planes
+// of other slabs too is kept like one to be wrapped, and works on the planes of this slab alone.
 #pragma once
 #include <omp.h>
 
@@ -54,8 +55,12 @@ constexpr int most_weights = 16;
 // So far from the box may markers be, where it is periodic.
 constexpr int most_periods = 8;
 
-// In place of the plane, of markers beside a side.
-constexpr std::int32_t folded_marker = INT32_MIN, wrapped_marker = INT32_MAX;
+// In place of the plane, of markers beside a side, and of those that touch no plane of a slab.
+constexpr std::int32_t folded_marker = INT32_MIN, absent_marker = INT32_MIN + 1, wrapped_marker = INT32_MAX;
+
+inline bool is_inner(std::int32_t plane) {
+    return plane > absent_marker;
+}
 
 struct StencilSet {
     Grid grid;               // for which it was made
@@ -113,6 +118,18 @@ struct Weights {
                 x[at][n] = Four{along_x[at][0][n], along_x[at][1][n], along_x[at][2][n], 0.0};
     }
 
+    // Of the markers [first, last) from `begin` on: no weight where another slab has the plane.
+    void leave_out_planes_of_others(const Grid& g, const StencilSet& set, int begin, int first, int last) {
+        for (int n = first; n < last; ++n) {
+            const int nearest = set.inner[begin + n].at[2];
+            for (int at = 0; at < 2; ++at) {
+                const int lowest = nearest - (at == 1 && std::signbit(set.from_centre[2][begin + n]) ? 2 : 1);
+                for (int c = 0; c < 3; ++c)
+                    if (lowest + c < 1 || lowest + c > g.nz()) z[at][c][n] = 0.0;
+            }
+        }
+    }
+
   private:
     static void find_along(const double* from_centre, double (*out)[3][most_weights]) {
 #pragma omp simd
@@ -130,7 +147,25 @@ struct Weights {
     }
 };
 
-enum class Place { inside, wrapped, folded };
+enum class Place { inside, wrapped, folded, absent };
+
+// Where a marker is in a slab; its nearest plane becomes one of the slab's, of the image that is nearest to
+// it.
+inline Place locate_in_slab(const Grid& g, Place in_box, int& plane, bool is_face_below) {
+    const int n = g.nz(), whole = g.box_planes;
+    if (plane < -most_periods * whole || plane > most_periods * whole) return in_box;  // refused later
+    plane = g.plane_here(plane);
+    if (g.boundary[2] == periodic) {
+        while (2 * plane < n + 1 - whole) plane += whole;
+        while (2 * plane > n + 1 + whole) plane -= whole;
+    }
+    // Folding mirrors at most two planes beyond a wall.
+    const int margin = in_box == Place::folded ? 2 : 0;
+    const int lowest = plane - (is_face_below ? 2 : 1), highest = plane + 1;
+    if (highest + margin < 1 || lowest - margin > n) return Place::absent;
+    if (in_box == Place::folded || (lowest >= 1 && highest <= n)) return in_box;
+    return Place::wrapped;
+}
 
 // The nearest centre and the marker's distance from it in cells. The nearest face is one before where that is
 // negative; one point further on along x is read, with weight zero.
@@ -142,12 +177,16 @@ inline Place locate(const Grid& g, const double* cells_a_metre, const double* x,
         nearest[d] = static_cast<int>(std::floor(at + 1.0));
         from_centre[d] = at + 0.5 - nearest[d];
         if (g.boundary[d] != periodic) {
-            if (nearest[d] < 3 || nearest[d] >= g.cells[d] - 1) return Place::folded;
-        } else if (nearest[d] < (std::signbit(from_centre[d]) ? 3 : 2) || nearest[d] >= g.cells[d]) {
+            if (nearest[d] < 3 || nearest[d] >= g.whole(d) - 1) {
+                if (!g.is_slab()) return Place::folded;
+                place = Place::folded;
+            }
+        } else if (place == Place::inside &&
+                   (nearest[d] < (std::signbit(from_centre[d]) ? 3 : 2) || nearest[d] >= g.whole(d))) {
             place = Place::wrapped;
         }
     }
-    return place;
+    return g.is_slab() ? locate_in_slab(g, place, nearest[2], std::signbit(from_centre[2])) : place;
 }
 
 inline void fold(const Grid& g, const double* x, FoldedStencils& out) {
@@ -155,6 +194,14 @@ inline void fold(const Grid& g, const double* x, FoldedStencils& out) {
         out.centre_of[d] = stencil_along(g, d, x[d], d == 0 ? face_y : face_x);
         out.face_of[d] = stencil_along(g, d, x[d], d);
     }
+    if (!g.is_slab()) return;
+    // What moving walls add is added once: by the slab of the nearest centre.
+    int plane = static_cast<int>(std::floor(x[2] / g.spacing[2])) + 1;
+    if (g.boundary[2] == periodic) plane = ((plane - 1) % g.box_planes + g.box_planes) % g.box_planes + 1;
+    plane = g.plane_here(std::clamp(plane, 1, g.box_planes));
+    if (plane >= 1 && plane <= g.nz()) return;
+    for (int d = 0; d < 3; ++d)
+        for (int side = 0; side < 2; ++side) out.centre_of[d].wall[side] = out.face_of[d].wall[side] = 0.0;
 }
 
 // Finds the box of one body's inner markers and how many there are.
@@ -168,9 +215,10 @@ inline void measure_body(const Grid& g, const double* position, StencilSet& set,
         double from_centre[3] = {};
         const Place place = locate(g, cells_a_metre, position + 3 * m, nearest, from_centre);
         set.plane[m] = place == Place::folded    ? folded_marker
+                       : place == Place::absent  ? absent_marker
                        : place == Place::wrapped ? wrapped_marker
                                                  : nearest[2];
-        if (place == Place::folded) continue;
+        if (!is_inner(set.plane[m])) continue;
         ++body.begin;
         for (int d = 0; d < 3; ++d) {
             body.box.lower[d] = std::min(body.box.lower[d], nearest[d]);
@@ -189,14 +237,16 @@ inline void order_body(const Grid& g, const double* position, StencilSet& set, i
     const double cells_a_metre[3] = {1.0 / g.spacing[0], 1.0 / g.spacing[1], 1.0 / g.spacing[2]};
     const int planes = body.box.upper[2] - body.box.lower[2] + 1;
     const auto row = static_cast<std::int32_t>(g.row()), plane = static_cast<std::int32_t>(g.plane());
-    const auto wrapped = [&](int d, int i) { return ((i - 1) % g.cells[d] + g.cells[d]) % g.cells[d] + 1; };
+    const auto wrapped = [&](int d, int i) {
+        return g.wraps(d) ? ((i - 1) % g.cells[d] + g.cells[d]) % g.cells[d] + 1 : i;
+    };
     const auto bucket = [&](int m) {
         return set.plane[m] == wrapped_marker ? planes : set.plane[m] - body.box.lower[2];
     };
     // begin[k + 1] counts, then moves from the begin of plane k to its end while the markers are put in.
     begin.assign(planes + 3, 0);
     for (int m = set.first[body.id]; m < set.first[body.id + 1]; ++m)
-        if (set.plane[m] != folded_marker) ++begin[bucket(m) + 2];
+        if (is_inner(set.plane[m])) ++begin[bucket(m) + 2];
     for (int k = 0; k < planes; ++k) {
         if (begin[k + 2] > 0) {
             std::int32_t& total = set.in_plane[body.box.lower[2] + k];
@@ -207,7 +257,7 @@ inline void order_body(const Grid& g, const double* position, StencilSet& set, i
     }
     body.wrapped = body.begin + begin[planes + 1];
     for (int m = set.first[body.id]; m < set.first[body.id + 1]; ++m) {
-        if (set.plane[m] == folded_marker) continue;
+        if (!is_inner(set.plane[m])) continue;
         const std::int32_t at = body.begin + begin[bucket(m) + 1]++;
         int nearest[3] = {};
         double from_centre[3] = {};
@@ -237,8 +287,8 @@ inline void place(const Grid& g, const double* position, StencilSet& set) {
     set.is_placed = false;
     for (int b = 0; b < bodies; ++b)
         for (int d = 0; d < 3; ++d)
-            if (set.body[b].box.lower[d] < -most_periods * g.cells[d] ||
-                set.body[b].box.upper[d] > most_periods * g.cells[d])
+            if (set.body[b].box.lower[d] < -most_periods * g.whole(d) ||
+                set.body[b].box.upper[d] > most_periods * g.whole(d))
                 throw std::invalid_argument("position: a marker of body " + std::to_string(set.body[b].id) +
                                             " is not finite, or more than eight periods from the box");
 
@@ -259,7 +309,8 @@ inline void place(const Grid& g, const double* position, StencilSet& set) {
     }
     if (static_cast<std::int64_t>(set.line.size()) < lines) set.line.resize(room);
     set.inner.resize(inner);
-    set.folded.resize(set.count() - inner);
+    const auto absent = g.is_slab() ? std::count(set.plane.begin(), set.plane.end(), absent_marker) : 0;
+    set.folded.resize(set.count() - inner - absent);
     if (!set.folded.empty())
         for (int m = 0, n = 0; m < set.count(); ++m)
             if (set.plane[m] == folded_marker) {
@@ -283,13 +334,15 @@ struct WrappedPoints {
     WrappedPoints(const Grid& g, const StencilSet& set, int inner) {
         const std::int32_t* nearest = set.inner[inner].at;
         const auto wrapped = [&](int d, int i) {
+            if (!g.wraps(d)) return i;
             return i < 1 ? i + g.cells[d] : i > g.cells[d] ? i - g.cells[d] : i;
         };
         for (int a = 0; a < 4; ++a) {
             x[a] = wrapped(0, nearest[0] - 2 + a);
             y[a] = wrapped(1, nearest[1] - 2 + a) * static_cast<std::ptrdiff_t>(g.row());
             plane[a] = wrapped(2, nearest[2] - 2 + a);
-            z[a] = plane[a] * static_cast<std::ptrdiff_t>(g.plane());
+            z[a] = (g.is_slab() ? std::clamp(plane[a], 1, g.nz()) : plane[a]) *
+                   static_cast<std::ptrdiff_t>(g.plane());
         }
         for (int d = 0; d < 3; ++d) is_below[d] = std::signbit(set.from_centre[d][inner]);
     }

@@ -32,7 +32,7 @@ inline int find_lines(const Grid& g, const CellBox& box, int reach, std::int32_t
         axis[d] = 0.5f * (box.upper[d] - box.lower[d]) + 0.5f;
     }
     const auto wrapped = [&](int d, int i) {
-        if (g.boundary[d] != periodic) return std::clamp(i, 0, g.cells[d] + 1);
+        if (!g.wraps(d)) return std::clamp(i, 0, g.cells[d] + 1);
         return i < 1 ? i + g.cells[d] : i > g.cells[d] ? i - g.cells[d] : i;
     };
     // Square of the coordinate of the nearest point within `reach`, over the axis.

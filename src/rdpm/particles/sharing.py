@@ -1,0 +1,153 @@
+"""Which ranks hold which bodies, and what these say to each other."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rdpm.grid import Grid
+from rdpm.parallel.ranks import Ranks
+from rdpm.particles.state import Bodies
+
+__all__ = ["Sharing"]
+
+Floats = NDArray[np.float64]
+Ids = NDArray[np.int64]
+
+#: Planes beyond a body's surface that its markers and its interior may touch: the delta's two, one for the body's own
+#: surface being between planes.
+MARGIN = 3.0
+
+#: Planes by which a body that is held may be farther away before it is let go: bodies do not come and go every step.
+PATIENCE = 1.0
+
+
+class Sharing:
+    """Who holds, and who owns, each body.
+
+    Parameters
+    ----------
+    grid : Grid
+        Of this rank's slab.
+    ranks : Ranks
+    diameter : ndarray, (N,), [m]
+
+    Attributes
+    ----------
+    holders : ndarray of bool, (ranks, N)
+        Ranks whose planes a body's markers touch.
+    here : ndarray of int, (n,)
+        Ids of those held by this rank, rising.
+    is_own : ndarray of bool, (n,)
+        Of these, those whose centre lies in this slab.
+    order, counts : ndarray of int, (N,), list of int, (ranks,)
+        Ids by owner, and how many each rank owns.
+    """
+
+    def __init__(self, grid: Grid, ranks: Ranks, diameter: Floats) -> None:
+        assert grid.slab is not None
+        self._ranks, self._radius = ranks, 0.5 * diameter
+        self._dz, self._period = grid.spacing[2], grid.size[2] if grid.is_periodic[2] else 0.0
+        planes = ranks.table([grid.slab.planes])[:, 0]
+        ends = np.concatenate([[0.0], np.cumsum(planes)])
+        self._ends, self._middle, self._half = ends, 0.5 * self._dz * (ends[1:] + ends[:-1]), 0.5 * self._dz * planes
+        self._margin = MARGIN * self._dz + 0.5 * float(np.cbrt(np.prod(grid.spacing)))
+        self.holders = np.zeros((ranks.size, len(diameter)), bool)
+
+    def hold(self, bodies: Bodies, dt: float) -> NDArray[np.bool_]:
+        """Find who holds the bodies at their positions, and half a step of `dt` before; arrivals (ranks, N)."""
+        z = bodies.position[:, 2]
+        if not np.isfinite(z).all():
+            raise ValueError("position: a body is not finite")
+        apart = z[None, :] - self._middle[:, None]
+        if self._period:
+            apart -= self._period * np.round(apart / self._period)
+        reach = self._radius + self._margin + 0.5 * dt * np.abs(bodies.velocity[:, 2])
+        beyond = np.abs(apart) - self._half[:, None] - reach[None, :]
+        before = self.holders
+        self.holders = beyond <= np.where(before, PATIENCE * self._dz, 0.0)
+        plane = np.clip(np.floor(z / self._dz), 0.0, self._ends[-1] - 1.0)
+        owner = np.searchsorted(self._ends, plane, side="right") - 1
+        rank = self._ranks.rank
+        self.here = np.flatnonzero(self.holders[rank])
+        self.is_own = owner[self.here] == rank
+        self.order = np.argsort(owner, kind="stable")
+        self.counts = np.bincount(owner, minlength=self._ranks.size).tolist()
+        arrivals: NDArray[np.bool_] = self.holders & ~before
+        self._before = before
+        return arrivals
+
+    def own_rows(self, first: NDArray[np.int32]) -> NDArray[np.bool_]:
+        """Which rows are of owned bodies, where those from first[n] to first[n + 1] are of body n here."""
+        return np.repeat(self.is_own, np.diff(first))
+
+    def bring(
+        self, arrivals: NDArray[np.bool_], values: Floats, before: Ids, first: NDArray[np.int32], counts: Ids
+    ) -> list[tuple[Ids, Floats]]:
+        """Give what bodies have, row after row, to the ranks where they arrive.
+
+        Parameters
+        ----------
+        arrivals : ndarray of bool, (ranks, N)
+        values : ndarray, (rows, 3)
+            Of the bodies held so far.
+        before, first : ndarray of int
+            Ids of these, and where their rows begin.
+        counts : ndarray of int, (N,)
+            Rows of each body.
+
+        Returns
+        -------
+        list of (ids, values)
+            Of bodies that arrive here.
+        """
+        if not arrivals.any():
+            return []
+        giver = np.argmax(self._before, axis=0)  # the lowest that holds it
+        me, sends, gained = self._ranks.rank, [], []
+        receives: list[tuple[int, Floats]] = []
+        for rank in range(self._ranks.size):
+            to = np.flatnonzero(arrivals[rank] & (giver == me)) if rank != me else np.zeros(0, np.int64)
+            if len(to):
+                at = np.searchsorted(before, to)
+                sends.append((rank, np.concatenate([values[first[n] : first[n + 1]] for n in at])))
+            coming = np.flatnonzero(arrivals[me] & (giver == rank)) if rank != me else np.zeros(0, np.int64)
+            if len(coming):
+                received = np.empty((int(counts[coming].sum()), values.shape[1]))
+                receives.append((rank, received))
+                gained.append((coming, received))
+        self._ranks.swap(sends, receives)
+        return gained
+
+    def index(self, first: NDArray[np.int32]) -> None:
+        """Find the rows here of bodies that others hold too; `first`: where each body's markers begin."""
+        self._bodies: dict[int, Ids] = {}
+        self._markers: dict[int, Ids] = {}
+        held = self.holders[:, self.here]
+        self._are_pairs = not (held.sum(axis=0) > 2).any()
+        lengths = np.diff(first)
+        for rank in np.flatnonzero(held.any(axis=1)):
+            common = held[rank]
+            if rank != self._ranks.rank and common.any():
+                self._bodies[int(rank)] = np.flatnonzero(common)
+                self._markers[int(rank)] = np.flatnonzero(np.repeat(common, lengths))
+
+    def complete(self, rows: Floats, is_of_markers: bool) -> None:
+        """Change rows of shared bodies to the sum of what their holders have, added up in the order of ranks."""
+        index = self._markers if is_of_markers else self._bodies
+        if not index:
+            return
+        received = {rank: np.empty((len(at), rows.shape[1])) for rank, at in index.items()}
+        self._ranks.swap([(rank, rows[at]) for rank, at in index.items()], list(received.items()))
+        if self._are_pairs:  # a + b = b + a
+            for rank, at in index.items():
+                rows[at] += received[rank]
+            return
+        shared = np.unique(np.concatenate(list(index.values())))
+        own = rows[shared]
+        rows[shared] = 0.0
+        for rank in sorted([*index, self._ranks.rank]):
+            if rank == self._ranks.rank:
+                rows[shared] += own
+            else:
+                rows[index[rank]] += received[rank]
