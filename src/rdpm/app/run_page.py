@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
-import time
 from collections.abc import Callable
 from functools import partial
 from html import escape
@@ -29,7 +27,6 @@ __all__ = ["RunPage"]
 
 _SCENE_EVERY, _CURVES_EVERY = 0.1, 1.0  # s
 _MOST_BODIES = 20_000  # that a browser draws
-_SHARE = 0.02  # of the machine that reading may take from a run that is watched
 
 
 class RunPage:
@@ -51,7 +48,7 @@ class RunPage:
             return
         self.live = LiveRun(self.files)
         self.scene: SphereScene | None = None
-        self.top, self.slice_shown, self._is_reading, self._rests_until = 0.0, True, False, 0.0
+        self.top, self.slice_shown, self._is_reading = 0.0, True, False
         with frame(name, "runs"):
             self._head()
             self.view = ui.element("section").props('aria-label="Scene and curves"')
@@ -158,12 +155,11 @@ class RunPage:
     async def _tick_scene(self) -> None:
         if (not self.status.is_active and self.scene is not None) or self._is_reading:
             return
-        if self.status.state == "done" or time.monotonic() < self._rests_until:
+        if self.status.state == "done":
             return
         self._is_reading = True
         try:
-            is_new, spent = await run.io_bound(_read, self.live) or (False, 0.0)
-            self._rests_until = time.monotonic() + spent / (_SHARE * (os.cpu_count() or 1))
+            is_new = await run.io_bound(self.live.read)
             frame_now = self.live.frame
             if not is_new or frame_now is None:
                 return
@@ -215,12 +211,6 @@ class RunPage:
                 show_results(loaded, self.work, has_replay=self.status.state == "done")
             else:
                 html(problem(f"The results cannot be read yet: {loaded}"))
-
-
-def _read(live: LiveRun) -> tuple[bool, float]:
-    """Take in new rows: whether the bodies moved, and the processor time that it took [s]."""
-    begun = time.thread_time()
-    return live.read(), time.thread_time() - begun
 
 
 def _loaded(path: Path) -> Run | RdpmError:
