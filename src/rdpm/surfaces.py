@@ -91,7 +91,7 @@ class Cylinder:
     --------
     >>> tube = Cylinder((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), radius=2.0)
     >>> distance, away = tube.distance([[1.5, 0.0, 7.0]])
-    >>> float(distance[0]), away.tolist()
+    >>> float(distance[0]), (away + 0.0).tolist()
     (0.5, [[-1.0, 0.0, 0.0]])
     """
 

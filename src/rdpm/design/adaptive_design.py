@@ -23,7 +23,7 @@ class AdaptiveDesign(_Record):
     --------
     >>> d = adaptive_design(diameter=0.01, density=2500.0, restitution=0.8, contact_time=1e-3, impact_speed=0.1)
     >>> round(100 * d.max_overlap_fraction, 3)   # [% d]
-    0.328
+    0.33
     """
 
     stiffness_N_m32: float  # noqa: N815

@@ -26,7 +26,7 @@ class HardSphereDesign(_Record):
     --------
     >>> d = hard_sphere_design(diameter=0.01, density=2500.0, restitution=0.9, impact_speed=0.1, time_step=1e-4)
     >>> round(100 * d.soft_overlap_fraction, 2), round(100 * d.soft_lag_fraction, 2)   # [% d]
-    (0.24, 0.75)
+    (0.25, 0.74)
     """
 
     restitution: float
