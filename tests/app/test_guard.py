@@ -103,33 +103,36 @@ async def body(size):
         yield b"x" * 65536
 
 
+#: Paths that are no file of the folder.
+OUTSIDE = [
+    "../secret.toml",
+    "../../etc/passwd",
+    "/etc/passwd",
+    "link.toml",
+    "linked/secret.toml",
+    "a/../../secret.toml",
+    "..\\secret.toml",
+    "%2e%2e/secret.toml",
+    "..%2fsecret.toml",
+    "%252e%252e%252fsecret.toml",
+    "secret.toml\0.csv",
+    "~root/x",
+    ".hidden.toml",
+    "....//secret.toml",
+    "./../secret.toml",
+    "x" * 3000,
+    "\u202e\ud7ff",
+    "%ff%fe",
+    "%00",
+    "con",
+    "file:///etc/passwd",
+    "http://127.0.0.1/x.csv",
+]
+
+
 def bad_requests(number, seed):
     """Requests of every bad kind that came to mind, in a random order: whether they know the token, and the request."""
     rng = random.Random(seed)
-    outside = [
-        "../secret.toml",
-        "../../etc/passwd",
-        "/etc/passwd",
-        "link.toml",
-        "linked/secret.toml",
-        "a/../../secret.toml",
-        "..\\secret.toml",
-        "%2e%2e/secret.toml",
-        "..%2fsecret.toml",
-        "%252e%252e%252fsecret.toml",
-        "secret.toml\0.csv",
-        "~root/x",
-        ".hidden.toml",
-        "....//secret.toml",
-        "./../secret.toml",
-        "x" * 3000,
-        "\u202e\ud7ff",
-        "%ff%fe",
-        "%00",
-        "con",
-        "file:///etc/passwd",
-        "http://127.0.0.1/x.csv",
-    ]
     places = ["/files/{}", "/run/{}", "/study/{}", "/cases?file={}", "/cases?run={}", "/cases?shipped={}",
               "/overlay?run={0}&run={0}x"]  # fmt: skip
     junk = ["nan", "1e999", "-1", "'; rm -rf /", "<script>", "{}", "[]", "null", "1 lightyear", "\0", "9" * 400, "%s%n"]
@@ -137,7 +140,7 @@ def bad_requests(number, seed):
         kind = rng.randrange(8)
         if kind < 3:
             guess = rng.choice(["", "x", TOKEN[:-1], TOKEN + "x", TOKEN.upper(), "%00", "\u00e9", "a" * 5000])
-            address = rng.choice(places).format(rng.choice(outside))
+            address = rng.choice(places).format(rng.choice(OUTSIDE))
             yield (
                 False,
                 (
@@ -149,7 +152,7 @@ def bad_requests(number, seed):
         elif kind < 6:
             is_page = n % 20 == 0  # a page that opens costs more than one that is refused
             place = rng.choice(places) if is_page else "/files/{}"
-            yield True, ("GET", place.format(rng.choice(outside)), {})
+            yield True, ("GET", place.format(rng.choice(OUTSIDE)), {})
         elif kind == 6:
             method = rng.choice(["POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "BREW"])
             address = rng.choice(["/", "/files/a.csv", "/runs", "/_nicegui/client/1/upload/2", "/run/x"])

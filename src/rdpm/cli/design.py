@@ -202,10 +202,7 @@ def design(
 
     one = soft_sphere(**single, wall=wall, ending=ending)
     _print_one(one, units, as_json, export)
-    if csv is not None:
-        _write_table([_row("", 0.0, one)], csv)
-    if figures is not None:
-        _draw(one, figures, figure_format)
+    _write_files(one, csv, figures, figure_format)
     return 0
 
 
@@ -263,6 +260,16 @@ def _print_sweep(
         print(json.dumps([d.to_dict() for d in designs], indent=2))
     if csv is not None or not as_json:
         _write_table([_row(name, v, d) for v, d in zip(values, designs, strict=True)], csv)
+
+
+def _write_files(
+    one: Design, csv: Path | None, figures: Path | None, kind: Literal["png", "pdf", "svg"]
+) -> None:
+    """Write the table and the charts that are asked for."""
+    if csv is not None:
+        _write_table([_row("", 0.0, one)], csv)
+    if figures is not None:
+        _draw(one, figures, kind)
 
 
 def _print_one(one: Design, units: Literal["si", "cgs"], as_json: bool, export: _Program | None) -> None:

@@ -9,6 +9,30 @@
 
 namespace rdpm {
 
+struct FlowMeasures {
+    double cfl_rate = 0.0;    // max over cells of sum |u_d| / spacing_d [1/s]
+    double square_sum = 0.0;  // sum of u^2 + v^2 + w^2 over faces [m^2/s^2]; not finite where anything is
+};
+
+// Of plane k of the cells, with the plane `face` of w beside it; `counted`: the plane of w whose squares are added.
+inline FlowMeasures measure_plane(const Grid& g, const VelocityView& q, int k, int face, int counted) {
+    const std::size_t row = g.row();
+    const double *u = q.u + k * g.plane(), *v = q.v + k * g.plane();
+    const double *w = q.w + face * g.plane(), *w_counted = q.w + counted * g.plane();
+    const double ix = 1.0 / g.spacing[0], iy = 1.0 / g.spacing[1], iz = 1.0 / g.spacing[2];
+    double most = 0.0, sum = 0.0;
+    for (int j = 1; j <= g.ny(); ++j) {
+        const std::size_t o = j * row;
+#pragma omp simd reduction(max : most) reduction(+ : sum)
+        for (int i = 1; i <= g.nx(); ++i) {
+            const double a = u[o + i], b = v[o + i], c = w_counted[o + i];
+            most = std::max(most, std::abs(a) * ix + std::abs(b) * iy + std::abs(w[o + i]) * iz);
+            sum += a * a + b * b + c * c;
+        }
+    }
+    return {most, sum};
+}
+
 // Largest |div u| over the cells [1/s]; needs current halos.
 inline double largest_divergence(const Grid& g, VelocityView q) {
     const std::size_t row = g.row(), plane = g.plane();

@@ -13,44 +13,18 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <vector>
 
+#include "rdpm/fluid/measures.hpp"
 #include "rdpm/fluid/momentum.hpp"
 #include "rdpm/fluid/transforms.hpp"
 #include "rdpm/fluid/tridiagonal.hpp"
 #include "rdpm/grid/grid.hpp"
+#include "rdpm/parallel/team_barrier.hpp"
 
 namespace rdpm {
-
-struct FlowMeasures {
-    double cfl_rate = 0.0;    // max over cells of sum |u_d| / spacing_d [1/s]
-    double square_sum = 0.0;  // sum of u^2 + v^2 + w^2 over faces [m^2/s^2]; not finite where anything is
-};
-
-// Waits for a small team: a short spin, then the processor is given away.
-class TeamBarrier {
-  public:
-    void wait(int team) {
-        if (team == 1) return;
-        const unsigned turn = turn_.load(std::memory_order_relaxed);
-        if (count_.fetch_add(1, std::memory_order_acq_rel) == team - 1) {
-            count_.store(0, std::memory_order_relaxed);
-            turn_.store(turn + 1, std::memory_order_release);
-            turn_.notify_all();
-            return;
-        }
-        for (int spin = 0; spin < 2000; ++spin)
-            if (turn_.load(std::memory_order_acquire) != turn) return;
-        turn_.wait(turn, std::memory_order_acquire);
-    }
-
-  private:
-    alignas(64) std::atomic<int> count_{0};
-    alignas(64) std::atomic<unsigned> turn_{0};
-};
 
 class Projection {
   public:
@@ -369,24 +343,10 @@ class Projection {
         if (face >= 0) measure_with(half == 0 ? face + 1 : face, face);
     }
 
-    // Plane k with the plane `face` of w beside it; `counted`: the plane of w whose squares are added here.
     void measure(const VelocityView& q, int k, int face, int counted) {
-        const std::size_t row = g_.row();
-        const double *u = q.u + k * g_.plane(), *v = q.v + k * g_.plane();
-        const double *w = q.w + face * g_.plane(), *w_counted = q.w + counted * g_.plane();
-        const double ix = 1.0 / g_.spacing[0], iy = 1.0 / g_.spacing[1], iz = 1.0 / g_.spacing[2];
-        double most = 0.0, sum = 0.0;
-        for (int j = 1; j <= g_.ny(); ++j) {
-            const std::size_t o = j * row;
-#pragma omp simd reduction(max : most) reduction(+ : sum)
-            for (int i = 1; i <= g_.nx(); ++i) {
-                const double a = u[o + i], b = v[o + i], c = w_counted[o + i];
-                most = std::max(most, std::abs(a) * ix + std::abs(b) * iy + std::abs(w[o + i]) * iz);
-                sum += a * a + b * b + c * c;
-            }
-        }
-        plane_cfl_[k] = most;
-        plane_square_[k] = sum;
+        const FlowMeasures found = measure_plane(g_, q, k, face, counted);
+        plane_cfl_[k] = found.cfl_rate;
+        plane_square_[k] = found.square_sum;
     }
 
     // What lies between the halves and across the ends, then the end planes' halos.
