@@ -14,7 +14,8 @@ struct FlowMeasures {
     double square_sum = 0.0;  // sum of u^2 + v^2 + w^2 over faces [m^2/s^2]; not finite where anything is
 };
 
-// Of plane k of the cells, with the plane `face` of w beside it; `counted`: the plane of w whose squares are added.
+// Of plane k of the cells, with the plane `face` of w beside it; `counted`: the plane of w whose squares are
+// added.
 inline FlowMeasures measure_plane(const Grid& g, const VelocityView& q, int k, int face, int counted) {
     const std::size_t row = g.row();
     const double *u = q.u + k * g.plane(), *v = q.v + k * g.plane();
