@@ -92,8 +92,7 @@ class Launcher:
 
     def stop(self, name: str) -> None:
         """Have the run end at once; the last checkpoint is what is left to go on from."""
-        self._tell(name, signal.SIGTERM)
-        self._tell(name, signal.SIGINT)  # a second one does not wait for the step
+        self._tell(name, signal.SIGTERM, signal.SIGINT)  # a second one does not wait for the step
 
     def process(self, name: str) -> int | None:
         """Give the process that works on a run, or has been started to."""
@@ -169,12 +168,13 @@ class Launcher:
         threading.Thread(target=child.wait, daemon=True).start()  # the system is told that its end was noticed
         self._started[name] = child
 
-    def _tell(self, name: str, number: signal.Signals) -> None:
+    def _tell(self, name: str, *numbers: signal.Signals) -> None:
         process = holder(self.work.run(name).lock)
         if process is None or not _is_rdpm(process):
             raise CaseError(f'"{name}"', None, "must be running on this machine", "no process of it is found here")
-        with suppress(ProcessLookupError):
-            os.kill(process, number)
+        with suppress(ProcessLookupError):  # it may end between two signals
+            for number in numbers:
+                os.kill(process, number)
 
 
 def _is_rdpm(process: int) -> bool:
