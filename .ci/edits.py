@@ -67,7 +67,7 @@ EDITS = (
     ),
     Edit(
         "activation distance of a pair does not grow with its radius", "contacts/lubrication.py",
-        "** (2.0 / 3.0)", "** 0.0",
+        "(radius_i + other) / self.pair_radius) ** (2.0 / 3.0)", "(radius_i + other) / self.pair_radius) ** 0.0",
         "tests/unit/test_contact_step.py",
     ),
 )  # fmt: skip
