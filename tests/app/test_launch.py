@@ -5,6 +5,8 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
@@ -51,10 +53,15 @@ def until(launcher, test):
 def launcher(work):
     made = Launcher(work, at_once=1, threads=1)
     yield made
-    for name in work.runs():
-        process = made.process(name)
-        if process is not None:
-            os.kill(process, signal.SIGKILL)
+    for process in processes_of(work.root):  # those too that another launcher began a moment ago
+        os.kill(process, signal.SIGKILL)
+
+
+def processes_of(root):
+    for words in Path("/proc").glob("[0-9]*/cmdline"):
+        with suppress(OSError):
+            if os.fsencode(root) in words.read_bytes():
+                yield int(words.parent.name)
 
 
 def test_runs_take_turns_pause_go_on_and_stop(work, launcher):
@@ -135,6 +142,7 @@ def test_two_pages_on_one_folder_start_a_run_once(work, launcher):
     assert launcher.dispatch() == ["one"]
     until(other, lambda: holder(work.root / "one" / "run.lock") is not None)
     assert other.dispatch() == []
+    until(other, lambda: (status_of("one", RunFolder(work.root / "one")).time or 0.0) > 0.1)
     launcher.stop("one")
     until(launcher, lambda: launcher.process("one") is None)
 
