@@ -140,9 +140,9 @@ def test_two_pages_on_one_folder_start_a_run_once(work, launcher):
     with locked(work.root / ".rdpm-app.lock"):
         assert launcher.dispatch() == []  # the other one is at it
     assert launcher.dispatch() == ["one"]
+    assert other.dispatch() == []  # it is started, though it has not locked its folder yet
     until(other, lambda: holder(work.root / "one" / "run.lock") is not None)
     assert other.dispatch() == []
-    until(other, lambda: (status_of("one", RunFolder(work.root / "one")).time or 0.0) > 0.1)
     launcher.stop("one")
     until(launcher, lambda: launcher.process("one") is None)
 
@@ -158,3 +158,12 @@ def test_only_a_run_that_goes_on_here_is_told_to_end(work, launcher):
     assert holder(work.root / "idle" / "run.lock") is None
     with pytest.raises(CaseError, match="must be running"):
         launcher.stop("idle")
+
+
+def test_a_start_that_came_to_nothing_does_not_wait_for_ever(work, launcher):
+    launcher.add(load_case(LONG), "one")
+    mark = work.root / "one" / QUEUED
+    mark.write_text('{"asked_ns": 1, "process": 999999999}')  # it ended before it began, and so did its page
+    assert state(work, "one") == "stopped"
+    assert launcher.dispatch() == []
+    assert not mark.exists()

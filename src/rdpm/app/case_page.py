@@ -52,6 +52,7 @@ def _upload() -> None:
     said = html("")
 
     async def take(event: events.UploadEventArguments) -> None:
+        """Save the file if it is a case."""
         try:
             text = (await event.file.read()).decode("utf-8-sig").replace("\r\n", "\n")
             found = await run.io_bound(check, text, "", current().work)

@@ -10,9 +10,8 @@ import sys
 import threading
 import time
 from contextlib import suppress
-from pathlib import Path
 
-from rdpm.app.status import CONSOLE, QUEUED
+from rdpm.app.status import CONSOLE, QUEUED, QueueMark, is_rdpm, queue_mark
 from rdpm.app.workspace import Workspace
 from rdpm.config.case import Case
 from rdpm.config.write import case_to_toml
@@ -96,10 +95,9 @@ class Launcher:
 
     def process(self, name: str) -> int | None:
         """Give the process that works on a run, or has been started to."""
-        found = holder(self.work.run(name).lock)
-        if found is None and name in self._started and self._started[name].poll() is None:
-            return self._started[name].pid
-        return found
+        files = self.work.run(name)
+        mark = queue_mark(files)
+        return holder(files.lock) or (mark.process if mark else None)
 
     def dispatch(self) -> list[str]:
         """Start what is due, if it is not another's task; give the names of what was started."""
@@ -131,7 +129,8 @@ class Launcher:
         for _, name in sorted(waiting)[: max(0, self.at_once - busy)]:
             self._start(name)
             started.append(name)
-        self._is_due = len(waiting) > len(started)
+        # Marks are looked after until each run has begun, whoever started it.
+        self._is_due = any((self.work.root / name / QUEUED).exists() for name in names)
         return started
 
     def _is_busy(self, name: str) -> bool:
@@ -142,17 +141,15 @@ class Launcher:
     def _asked(self, name: str) -> int | None:
         """When a run was queued; None where it was not, or goes on already."""
         files = self.work.run(name)
-        try:
-            asked = json.loads((files.path / QUEUED).read_text(encoding="utf-8"))["asked_ns"]
-        except FileNotFoundError:
+        mark = queue_mark(files)
+        if mark is None or holder(files.lock) is not None:  # a start that came to nothing, or that has come to pass
+            with suppress(OSError):
+                (files.path / QUEUED).unlink()
             return None
-        except (OSError, ValueError, KeyError, TypeError):
-            asked = 0
-        return None if self._is_busy(name) else int(asked) if isinstance(asked, int) else 0
+        return None if mark.process else mark.asked_ns
 
     def _queue(self, files: RunFolder) -> None:
-        with replacing(files.path / QUEUED) as temporary:
-            temporary.write_text(json.dumps({"asked_ns": time.time_ns()}), encoding="utf-8")
+        _write(files, QueueMark(time.time_ns()))
         self._is_due = True
 
     def _start(self, name: str) -> None:
@@ -167,20 +164,17 @@ class Launcher:
             )  # fmt: skip
         threading.Thread(target=child.wait, daemon=True).start()  # the system is told that its end was noticed
         self._started[name] = child
+        _write(files, QueueMark(time.time_ns(), child.pid))  # within the lock: no other page starts it again
 
     def _tell(self, name: str, *numbers: signal.Signals) -> None:
         process = holder(self.work.run(name).lock)
-        if process is None or not _is_rdpm(process):
+        if process is None or not is_rdpm(process):
             raise CaseError(f'"{name}"', None, "must be running on this machine", "no process of it is found here")
         with suppress(ProcessLookupError):  # it may end between two signals
             for number in numbers:
                 os.kill(process, number)
 
 
-def _is_rdpm(process: int) -> bool:
-    """Whether a process is one of ours; where the system does not tell, the lock that it holds must do."""
-    try:
-        words = Path(f"/proc/{process}/cmdline").read_bytes()
-    except OSError:
-        return not Path("/proc/self/cmdline").exists()
-    return b"python" in words or b"rdpm" in words
+def _write(files: RunFolder, mark: QueueMark) -> None:
+    with replacing(files.path / QUEUED) as temporary:
+        temporary.write_text(json.dumps(mark._asdict()), encoding="utf-8")

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from rdpm.errors import CaseError
-from rdpm.io.lock import holder
+from rdpm.io.lock import holder, is_alive
 from rdpm.results.run_folder import RunFolder
 from rdpm.results.summary import Summary, read_summary
 
-__all__ = ["CONSOLE", "QUEUED", "RunStatus", "read_case", "status_of", "summary_of"]
+__all__ = [
+    "CONSOLE", "QUEUED", "QueueMark", "RunStatus", "is_rdpm", "queue_mark", "read_case", "status_of", "summary_of",
+]  # fmt: skip
 
-#: Hidden files of a run's folder: that it waits for its turn, and what its process said.
+#: Hidden files of a run's folder: that it waits for its turn, or the process that was started for it and has not
+#: locked the folder yet; and what that process said.
 QUEUED, CONSOLE = ".queued", ".console.log"
 
 _TAIL = 4096  # bytes; some forty rows of timing.csv
@@ -98,7 +102,7 @@ def status_of(name: str, files: RunFolder) -> RunStatus:
         state = "reporting" if is_over and summary is not None and summary.status == "done" else "running"
         if rate and time is not None and end is not None:
             left = max(0.0, end - time) / rate
-    elif (files.path / QUEUED).exists():
+    elif queue_mark(files) is not None:
         state = "queued"
     elif summary is not None and summary.status == "done":
         state = "done"
@@ -111,6 +115,43 @@ def status_of(name: str, files: RunFolder) -> RunStatus:
         state = "failed" if message else "stopped"
     title = str(case.get("title") or "") if case else ""
     return RunStatus(name, state, title, time, end, step, wall, left, process, message, summary)
+
+
+class QueueMark(NamedTuple):
+    """That a run waits for its turn: since when, and the process once one was started for it."""
+
+    asked_ns: int
+    process: int | None = None
+
+
+def queue_mark(files: RunFolder) -> QueueMark | None:
+    """Read the mark of a run that is queued; None without one, or where the process that it names has ended.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> queue_mark(RunFolder(Path(tempfile.mkdtemp()))) is None
+    True
+    """
+    try:
+        found = json.loads((files.path / QUEUED).read_text(encoding="utf-8"))
+        mark = QueueMark(int(found["asked_ns"]), None if found.get("process") is None else int(found["process"]))
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return QueueMark(0)
+    return mark if mark.process is None or is_rdpm(mark.process) else None
+
+
+def is_rdpm(process: int) -> bool:
+    """Whether a process goes on and is one of ours; where the system does not tell which, whether it goes on."""
+    if not is_alive(process):
+        return False
+    try:
+        words = Path(f"/proc/{process}/cmdline").read_bytes()
+    except OSError:
+        return not Path("/proc/self/cmdline").exists()
+    return b"python" in words or b"rdpm" in words
 
 
 def read_case(files: RunFolder) -> dict[str, Any]:

@@ -180,10 +180,7 @@ def design(
         Print an input of this program: the contact, and a run of two spheres and a wall that shows it.
     """
     texts = {name: value for name, value in locals().items() if name in _UNITS and value is not None}
-    single = {name: _number(name, text) for name, text in texts.items() if ":" not in text}
-    swept = {name: _range(name, text) for name, text in texts.items() if ":" in text}
-    if len(swept) > 1:
-        raise CaseError("rdpm design", ", ".join(option(n) for n in swept), "only one input can be a sweep")
+    single, swept = _read_inputs(texts)
     if model != "soft-sphere":
         only_printed(model, approach=approach, csv=csv, figures=figures, export=export)
         check_model(model, {**single, **swept}, swept)
@@ -260,6 +257,15 @@ def _print_sweep(
         print(json.dumps([d.to_dict() for d in designs], indent=2))
     if csv is not None or not as_json:
         _write_table([_row(name, v, d) for v, d in zip(values, designs, strict=True)], csv)
+
+
+def _read_inputs(texts: dict[str, str]) -> tuple[dict[str, float], dict[str, list[float]]]:
+    """Give the single values and the one that is swept, in SI."""
+    single = {name: _number(name, text) for name, text in texts.items() if ":" not in text}
+    swept = {name: _range(name, text) for name, text in texts.items() if ":" in text}
+    if len(swept) > 1:
+        raise CaseError("rdpm design", ", ".join(option(n) for n in swept), "only one input can be a sweep")
+    return single, swept
 
 
 def _write_files(

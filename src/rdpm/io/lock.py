@@ -11,7 +11,7 @@ from rdpm.errors import CaseError
 from rdpm.parallel.agreement import on_root
 from rdpm.parallel.ranks import ALONE, Ranks
 
-__all__ = ["holder", "locked"]
+__all__ = ["holder", "is_alive", "locked"]
 
 
 @contextmanager
@@ -102,14 +102,15 @@ def holder(path: str | Path) -> int | None:
         with open(path, encoding="ascii", errors="replace") as file:
             text = file.read(32).strip()
             process = int(text) if text.isdecimal() else 0
-            if not process or not _is_alive(process):
+            if not process or not is_alive(process):
                 return None
             return process if _is_locked(file.fileno()) else None
     except OSError:
         return None
 
 
-def _is_alive(process: int) -> bool:
+def is_alive(process: int) -> bool:
+    """Whether there is a process of this number."""
     try:
         os.kill(process, 0)
     except PermissionError:  # of another user

@@ -258,6 +258,7 @@ class _Run:
             teller.note(f"{'continued' if is_same else 'started'} from {saved.path}, t = {saved.time:.6g} s")
 
     def to_end(self) -> Summary:
+        """Run, and write all but the report."""
         case, files, simulation, saved = self.case, self.files, self.simulation, self.saved
         text = case_to_toml(case)
         on_root(self.ranks, lambda: self._begin(text))

@@ -155,6 +155,7 @@ def flat_case(case: Case) -> dict[str, Any]:
     found: dict[str, Any] = {}
 
     def walk(value: Any, key: str) -> None:
+        """Collect what stands under a key."""
         if isinstance(value, dict):
             for name, item in value.items():
                 walk(item, f"{key}.{name}" if key else name)

@@ -128,6 +128,7 @@ class _Tuner:
     command: str
 
     def done(self) -> Tuning:
+        """Find the time step, then the contact steps, and write what was found."""
         self.restitution = _restitution(self.case)
         self.candidates = list(self.options.time_steps) or step_candidates(self.case, self.options.quick)
         self._make_folder()
