@@ -105,7 +105,7 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
                                wake,
                                wake + selected,
                                0,
-                               closing,
+                               1 / (h * closing),
                                checked_rows<contacts::Finished>(finished, "finished", -1),
                                finished.rows("finished", {-1, sizeof(contacts::Finished)}),
                                time,

@@ -126,7 +126,7 @@ struct SubstepTask {
     std::int32_t* wake;           // (count,): sub-step in which a pair is next looked at, or kUnderWay
     std::int32_t* due;            // (count,): room for the pairs of a band that are looked at
     double acceleration;          // no relative acceleration exceeds this, by the increments, times h
-    double closing;               // no pair closes faster [m/s]
+    double inverse_closing;       // no pair closes by more than 1 / inverse_closing in a sub-step
     Finished* finished;
     std::int64_t capacity;  // of `finished`
     double time, h, overlap_limit;

@@ -198,25 +198,21 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
 }
 
 // Sub-steps, this one first, in which a pair stays apart; 0 where it may touch in this one: gap < h |rate| /
-// 2, told without a root or a quotient, a little on the safe side. `smallest`: gap that is to be known where
-// one is smaller.
+// 2, told without a root or a quotient, a little on the safe side. `smallest`: lowered to the gap.
 inline std::int32_t clear_substeps(const SubstepTask& task, const std::int32_t* id, double& smallest) {
     const BodyRow &one = task.bodies.rows[id[0]], &other = task.bodies.rows[id[1]];
     double r[3];
     nearest_image(task.box, one.x, other.x, r);
-    const double square = dot(r, r), sum = one.radius + other.radius, reach = sum + smallest;
-    if (!(square > (1 + 1e-12) * sum * sum)) return 0;
+    const double square = dot(r, r), sum = one.radius + other.radius;
     double approach = 0;
     for (int d = 0; d < 3; ++d) approach += r[d] * (one.v[d] - other.v[d]);
     const double room = (square - (1 + 1e-12) * sum * sum) * sum;
-    if (!(room >= task.h * (std::abs(approach) * sum + 0.5 * task.acceleration * square))) return 0;
-    const bool is_smaller = reach > 0 && square < (1 + 1e-12) * reach * reach;
-    if (!is_smaller && task.pairs.count < kFewPairs) return 1;
-    const double gap = std::sqrt(square) - sum, step = task.h * task.closing;
-    if (is_smaller) smallest = std::min(smallest, gap);
-    return task.pairs.count < kFewPairs || !(gap >= step)
-               ? 1
-               : static_cast<std::int32_t>(std::min(gap / step, 1e6));
+    if (!(room > 0 && room >= task.h * (std::abs(approach) * sum + 0.5 * task.acceleration * square)))
+        return 0;
+    const double gap = std::sqrt(square) - sum;
+    smallest = std::min(smallest, gap);
+    if (task.pairs.count < kFewPairs) return 1;
+    return static_cast<std::int32_t>(std::clamp(gap * task.inverse_closing, 1.0, 1e6));
 }
 
 // What the threads share. `failed`: sub-step and pair, as the key of the earliest one, the last of its pairs.
