@@ -129,7 +129,9 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
     return result
 
 
-def bench(names: Iterable[str] = (), progress: Callable[[str], None] | None = None) -> dict[str, Any]:
+def bench(
+    names: Iterable[str] = (), progress: Callable[[str], None] | None = None, is_quick: bool = False
+) -> dict[str, Any]:
     """Measure cases and the triad in one run.
 
     Parameters
@@ -138,6 +140,8 @@ def bench(names: Iterable[str] = (), progress: Callable[[str], None] | None = No
         Keys of `CASES`, or of `rdpm.studies.dry_bed.BEDS`; all `CASES` when empty.
     progress : callable, optional
         Gets a line before each.
+    is_quick : bool
+        Of beds: a small one alone.
 
     Returns
     -------
@@ -153,7 +157,7 @@ def bench(names: Iterable[str] = (), progress: Callable[[str], None] | None = No
     cases, beds = [], []
     for name in list(names) or CASES:
         if name in BEDS:
-            beds.append(dry_bed(name, tell))
+            beds.append(dry_bed(name, tell, is_quick))
             continue
         tell(name)
         cases.append(measure(name, bandwidth[CASES[name][1] or threads]))
