@@ -74,9 +74,8 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
                                   contact_impulse.checked("contact_impulse", {n, 3})};
     const contacts::BodyRows bodies{body_room.checked("body_room", {-1}), actives,
                                     checked_bodies(active, "active", actives, n)};
-    rdpm::require(
-        body_room.rows("body_room", {-1}) >= contacts::kBodyRoom * actives + contacts::kRoomToAlign,
-        "body_room: too small");
+    rdpm::require(body_room.rows("body_room", {-1}) >= contacts::kBodyRoom * actives + contacts::kRoomToAlign,
+                  "body_room: too small");
     std::int32_t* wake = pair_room.checked("pair_room", {-1});
     rdpm::require(pair_room.rows("pair_room", {-1}) >= 2 * selected, "pair_room: too small");
     const std::int32_t* row = checked_selection(rows, bands, selected, m);
@@ -117,8 +116,7 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
     const auto* all_bands = reinterpret_cast<const contacts::Band*>(bands.checked("bands", {-1, 2}));
     nb::gil_scoped_release unlocked;
     std::vector<contacts::Group> groups(static_cast<std::size_t>(band_count) + 2);
-    task.groups[0] =
-        contacts::group_bodies(all_bands, even_bands, task.pairs.ids, actives, groups.data());
+    task.groups[0] = contacts::group_bodies(all_bands, even_bands, task.pairs.ids, actives, groups.data());
     task.groups[1] = contacts::group_bodies(all_bands + even_bands, band_count - even_bands, task.pairs.ids,
                                             actives, groups.data() + even_bands + 1);
     task.acceleration = bodies.take(all, h, threads);

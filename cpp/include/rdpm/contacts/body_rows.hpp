@@ -5,8 +5,9 @@
 
 namespace rdpm::contacts {
 
-// Bands of one colour, in the order of their layers, with the bodies that drift with each; `rows` has room for
-// one a band, and for one at least. Only the last band may reach over a periodic seam, to the first bodies.
+// Bands of one colour, in the order of their layers, with the bodies that drift with each; `rows` has room
+// for one a band, and for one at least. Only the last band may reach over a periodic seam, to the first
+// bodies.
 inline Groups group_bodies(const Band* bands, std::int64_t count, const std::int32_t* ids,
                            std::int64_t bodies, Group* rows) {
     rows[0] = {{0, 0}, 0, bodies};

@@ -113,20 +113,17 @@ inline constexpr std::int32_t kUnderWay = -1;
 // Fewer pairs than that are all looked at in every sub-step: the smallest gap is then that of every sub-step.
 inline constexpr std::int64_t kFewPairs = 64;
 
-// How many pairs ahead the lines of one are fetched.
-inline constexpr std::int64_t kAhead = 6;
-
 struct SubstepTask {
     BodyBlock bodies;  // those that have a pair, and no other
     std::int64_t body_count;
     Box box;
     PairArrays pairs;
     const std::int32_t *rows, *kinds;
-    Groups groups[2];             // of even layers, and of odd ones
-    std::int32_t* wake;           // (count,): sub-step in which a pair is next looked at, or kUnderWay
-    std::int32_t* due;            // (count,): room for the pairs of a band that are looked at
-    double acceleration;          // no relative acceleration exceeds this, by the increments, times h
-    double inverse_closing;       // no pair closes by more than 1 / inverse_closing in a sub-step
+    Groups groups[2];        // of even layers, and of odd ones
+    std::int32_t* wake;      // (count,): sub-step in which a pair is next looked at, or kUnderWay
+    std::int32_t* due;       // (count,): room for the pairs of a band that are looked at
+    double acceleration;     // no relative acceleration exceeds this, by the increments, times h
+    double inverse_closing;  // no pair closes by more than 1 / inverse_closing in a sub-step
     Finished* finished;
     std::int64_t capacity;  // of `finished`
     double time, h, overlap_limit;

@@ -20,8 +20,9 @@ struct Partners {
 template <class Bodies>
 Partners partners_of(const Bodies& b, const Box& box, std::int64_t i, std::int64_t j) {
     static constexpr double none[3] = {0, 0, 0};
-    Partners p{i,       j,    b.inverse_mass_of(i), 0,   b.inverse_moment_of(i), 0, 2 * b.radius_of(i),
-               nullptr, none, none,                 none};
+    Partners p{
+        i,    j,   b.inverse_mass_of(i), 0, b.inverse_moment_of(i), 0, 2 * b.radius_of(i), nullptr, none,
+        none, none};
     if (j < 0) {
         const int wall = static_cast<int>(-1 - j);
         p.vj = wall_velocity(box, wall);
@@ -147,10 +148,10 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
                 Progress& progress) {
     const BodyBlock& b = task.bodies;
     const double h = task.h;
-    const Geometry g = p.j < 0 ? wall_geometry(task.box, b.position_of(p.i), b.radius_of(p.i),
-                                               static_cast<int>(-1 - p.j))
-                               : sphere_geometry(task.box, b.position_of(p.i), b.position_of(p.j),
-                                                 b.radius_of(p.i), b.radius_of(p.j));
+    const Geometry g =
+        p.j < 0 ? wall_geometry(task.box, b.position_of(p.i), b.radius_of(p.i), static_cast<int>(-1 - p.j))
+                : sphere_geometry(task.box, b.position_of(p.i), b.position_of(p.j), b.radius_of(p.i),
+                                  b.radius_of(p.j));
     progress.min_gap = std::min(progress.min_gap, -g.overlap);
     double u = 0, acceleration = 0;  // rotation has no part along the normal
     const double *vi = b.velocity_of(p.i), *dv_i = b.gain_of(p.i);
@@ -234,22 +235,6 @@ inline std::int64_t list_due(const SubstepTask& task, const Band& band, std::int
     return count;
 }
 
-// Lines that a pair will need: the bodies come from all over a layer.
-inline void fetch(const SubstepTask& task, std::int32_t at, const char* history, std::size_t history_size) {
-    const std::int32_t* id = task.pairs.ids + 2 * at;
-    const bool is_under_way = task.wake[at] == kUnderWay;
-    for (int side = 0; side < 2; ++side) {
-        if (id[side] < 0) continue;
-        const char* row = reinterpret_cast<const char*>(task.bodies.rows + id[side]);
-        __builtin_prefetch(row, 1);
-        if (is_under_way)
-            for (std::size_t line = 64; line < sizeof(BodyRow); line += 64) __builtin_prefetch(row + line, 1);
-    }
-    if (!is_under_way) return;
-    __builtin_prefetch(task.pairs.state + task.rows[at], 1);
-    __builtin_prefetch(history + history_size * static_cast<std::size_t>(task.rows[at]), 1);
-}
-
 // Returns whether no pair has passed the overlap limit.
 template <ContactLaw Law>
 bool visit_band(const SubstepTask& task, const Band& band, std::int64_t substep, Progress& mine,
@@ -263,12 +248,8 @@ bool visit_band(const SubstepTask& task, const Band& band, std::int64_t substep,
     const bool is_backwards = substep % 2 != 0;
     const std::int64_t count = list_due(task, band, substep);
     const std::int32_t* due = task.due + band.from;
-    const auto nth = [&](std::int64_t n) { return due[is_backwards ? count - 1 - n : n]; };
     for (std::int64_t n = 0; n < count; ++n) {
-        if (n + kAhead < count)
-            fetch(task, nth(n + kAhead), static_cast<const char*>(pairs.history),
-                  std::is_empty_v<typename Law::History> ? 0 : sizeof(typename Law::History));
-        const std::int32_t at = nth(n);
+        const std::int32_t at = due[is_backwards ? count - 1 - n : n];
         const std::int32_t* id = pairs.ids + 2 * at;
         if constexpr (!DistantLaw<Law>)
             if (!pairs.lubrication && task.wake[at] != kUnderWay && id[1] >= 0)
@@ -341,7 +322,8 @@ inline void sort_finished(Finished* finished, std::int64_t count) {
     const auto key = [](const Finished& f) {
         return (f.pair >> 32) % 2 ? f.pair ^ kLowHalf : f.pair;  // a pair is below 2^31
     };
-    std::sort(finished, finished + count, [&](const Finished& a, const Finished& b) { return key(a) < key(b); });
+    std::sort(finished, finished + count,
+              [&](const Finished& a, const Finished& b) { return key(a) < key(b); });
     for (std::int64_t n = 0; n < count; ++n) finished[n].pair &= kLowHalf;
 }
 
