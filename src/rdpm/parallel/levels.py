@@ -47,8 +47,8 @@ def processor_flags(cpuinfo: Path = Path("/proc/cpuinfo")) -> frozenset[str]:
     return next((frozenset(line.partition(":")[2].split()) for line in lines if line.startswith("flags")), frozenset())
 
 
-def choose_level(built: Collection[str], flags: Collection[str], asked: str = "") -> str:
-    """Highest level that was built and that the processor has, or the one asked for.
+def choose_level(built: Collection[str], flags: Collection[str], wanted: str = "") -> str:
+    """Highest level that was built and that the processor has, or the one wanted.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def choose_level(built: Collection[str], flags: Collection[str], asked: str = ""
         Levels in the package, names of `ASKED`.
     flags : collection of str
         Features of the processor.
-    asked : str
+    wanted : str
         Level the user wants; empty: the highest.
 
     Returns
@@ -66,7 +66,7 @@ def choose_level(built: Collection[str], flags: Collection[str], asked: str = ""
     Raises
     ------
     CaseError
-        The level asked is not in the package, or the processor has none of its levels.
+        The level wanted is not in the package, or the processor has none of its levels.
 
     Examples
     --------
@@ -83,14 +83,14 @@ def choose_level(built: Collection[str], flags: Collection[str], asked: str = ""
         had.append(level)
     usable = [level for level in had if level in built]
     here = ", ".join(usable) or "none"
-    if asked and asked not in usable:
+    if wanted and wanted not in usable:
         rule = f"must be one of {here}"
-        why = "the processor lacks it" if asked in built else "this package was not built for it"
-        raise CaseError(VARIABLE, asked, rule, why, "Unset it to have the highest.")
+        why = "the processor lacks it" if wanted in built else "this package was not built for it"
+        raise CaseError(VARIABLE, wanted, rule, why, "Unset it to have the highest.")
     if not usable:
         rule, why = f"has kernels for {', '.join(built)} only", "the processor has none of these"
         raise CaseError("rdpm", None, rule, why, "Build it on this machine: pip install . in its sources.")
-    return asked or usable[-1]
+    return wanted or usable[-1]
 
 
 def kernel_folder(package: Path) -> Path | None:
@@ -117,11 +117,11 @@ def kernel_folder(package: Path) -> Path | None:
     >>> kernel_folder(Path(tempfile.mkdtemp())) is None
     True
     """
-    folder, asked = package / "levels", os.environ.get(VARIABLE, "")
+    folder, wanted = package / "levels", os.environ.get(VARIABLE, "")
     if not folder.is_dir():
-        if asked:
+        if wanted:
             rule = "cannot be chosen here"
-            raise CaseError(VARIABLE, asked, rule, "the kernels were built once, for one processor", "Unset it.")
+            raise CaseError(VARIABLE, wanted, rule, "the kernels were built once, for one processor", "Unset it.")
         return None
     built = [level for level in ASKED if (folder / level).is_dir()]
-    return folder / choose_level(built, processor_flags(), asked)
+    return folder / choose_level(built, processor_flags(), wanted)
