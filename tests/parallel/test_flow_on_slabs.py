@@ -97,4 +97,5 @@ def test_a_rank_sends_the_planes_of_the_design() -> None:
 
     halos, modes = 9 * 8 * (n + 2) ** 2, 4 * 8 * n**2
     for sent_by_one in on_ranks(4, sent):
-        assert sent_by_one == halos + modes * 3 // 4  # of the modes a quarter stays
+        # Of the modes a quarter stays; three numbers go to three others.
+        assert sent_by_one == halos + modes * 3 // 4 + 3 * 3 * 8

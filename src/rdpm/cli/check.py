@@ -22,6 +22,8 @@ def check(
     /,
     *,
     set_: Annotated[tuple[str, ...], Parameter(name="--set", negative="", show_default=False)] = (),
+    ranks: Annotated[int, Parameter(show_default=False)] = 0,
+    threads: Annotated[int, Parameter(show_default=False)] = 1,
     json: Annotated[bool, Parameter(negative="", show_default=False)] = False,
 ) -> None:
     """Show what a case implies: grid, numbers, time step, contacts, memory, time; with verdicts.
@@ -33,6 +35,10 @@ def check(
         case NAME.
     set_ : tuple of str
         key=value, instead of what the case says; may be repeated.
+    ranks : int
+        What it implies on so many MPI ranks: planes, memory and messages of each, and how well they work together.
+    threads : int
+        Of each rank, for the estimate of their time.
     json : bool
         Write JSON for machines.
 
@@ -49,14 +55,21 @@ def check(
     loaded = load_case(source, set_)
     from rdpm.setup import plan  # a case that is wrong is told before the solver is loaded
 
-    planned = plan(loaded)
+    planned, of_ranks = plan(loaded), None
+    if ranks:
+        from rdpm.setup.rank_plan import plan_ranks
+
+        of_ranks = plan_ranks(planned, ranks, threads)
     if json:
         import json as encoder
 
-        print(encoder.dumps(planned.to_dict(), indent=2))
+        added = {"on_ranks": of_ranks.to_dict()} if of_ranks else {}
+        print(encoder.dumps(planned.to_dict() | added, indent=2))
         return
     from rich.console import Console
 
+    if of_ranks:
+        planned.sections.append((f"{ranks} MPI ranks", of_ranks.rows()))
     show_plan(planned, Console(highlight=False, markup=False))
 
 

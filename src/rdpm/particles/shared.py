@@ -19,13 +19,16 @@ from rdpm.particles.seeding import marker_count
 from rdpm.particles.sharing import Sharing
 from rdpm.particles.state import Bodies
 
-__all__ = ["SharedBodies"]
+__all__ = ["ROW_COLUMNS", "SharedBodies"]
 
 Floats = NDArray[np.float64]
 
 #: Rows of each body that all ranks know after a step, and their columns.
 _MOTION = {"interior": 6, "residual": 6, "hydrodynamic_force": 3, "hydrodynamic_torque": 3, "applied_force": 3}
 _ROWS = {"load": 6, "inertia": 2, **_MOTION}
+
+#: Numbers in such a row: velocity, angular velocity, square of the slip, and the above.
+ROW_COLUMNS = 7 + sum(_ROWS.values())
 
 
 class SharedBodies:
@@ -218,9 +221,7 @@ class SharedBodies:
         table = np.empty((len(self.bodies), mine.shape[1]))
         table[sharing.order] = self._ranks.rows(mine[sharing.is_own], sharing.counts)
         at = np.cumsum([0, 3, 3, 1, *_ROWS.values()])
-        columns = dict(
-            zip(("velocity", "angular_velocity", "slip", *_ROWS), pairwise(at), strict=True)
-        )
+        columns = dict(zip(("velocity", "angular_velocity", "slip", *_ROWS), pairwise(at), strict=True))
         for name in ("velocity", "angular_velocity"):
             np.copyto(getattr(self.bodies, name), table[:, slice(*columns[name])])
         markers = int(self._markers.sum())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,7 +11,7 @@ from rdpm.grid import Grid
 from rdpm.parallel.ranks import Ranks
 from rdpm.particles.state import Bodies
 
-__all__ = ["Sharing"]
+__all__ = ["Cuts", "Sharing"]
 
 Floats = NDArray[np.float64]
 Ids = NDArray[np.int64]
@@ -20,6 +22,45 @@ MARGIN = 3.0
 
 #: Planes by which a body that is held may be farther away before it is let go: bodies do not come and go every step.
 PATIENCE = 1.0
+
+
+class Cuts:
+    """Where the slabs of the ranks lie along z.
+
+    Parameters
+    ----------
+    planes : sequence of int
+        Of each rank, from bottom to top.
+    spacing : tuple of float, (3,), [m]
+    period : float, [m]
+        Along z; 0 between faces of the box.
+
+    Examples
+    --------
+    >>> cuts = Cuts([8, 8], (1.0, 1.0, 1.0), 0.0)
+    >>> cuts.owner(np.array([2.0, 11.0])), cuts.beyond(np.array([2.0]), np.array([1.0]))[:, 0]
+    (array([0, 1]), array([-6.5,  1.5]))
+    """
+
+    def __init__(self, planes: Sequence[int], spacing: tuple[float, float, float], period: float) -> None:
+        self.dz, self._period = spacing[2], period
+        self._ends = np.concatenate([[0.0], np.cumsum(planes)])
+        self._middle = 0.5 * self.dz * (self._ends[1:] + self._ends[:-1])
+        self._half = 0.5 * self.dz * np.diff(self._ends)
+        self._margin = MARGIN * self.dz + 0.5 * float(np.cbrt(np.prod(spacing)))
+
+    def beyond(self, z: Floats, radius: Floats) -> Floats:
+        """How far from each slab spheres at these heights are, with what their markers touch: (ranks, N) [m]."""
+        apart = z[None, :] - self._middle[:, None]
+        if self._period:
+            apart -= self._period * np.round(apart / self._period)
+        distance: Floats = np.abs(apart) - self._half[:, None] - (radius + self._margin)[None, :]
+        return distance
+
+    def owner(self, z: Floats) -> Ids:
+        """The rank in whose slab each centre lies."""
+        plane = np.clip(np.floor(z / self.dz), 0.0, self._ends[-1] - 1.0)
+        return np.asarray(np.searchsorted(self._ends, plane, side="right") - 1, np.int64)
 
 
 class Sharing:
@@ -47,11 +88,8 @@ class Sharing:
     def __init__(self, grid: Grid, ranks: Ranks, diameter: Floats) -> None:
         assert grid.slab is not None
         self._ranks, self._radius = ranks, 0.5 * diameter
-        self._dz, self._period = grid.spacing[2], grid.size[2] if grid.is_periodic[2] else 0.0
-        planes = ranks.table([grid.slab.planes])[:, 0]
-        ends = np.concatenate([[0.0], np.cumsum(planes)])
-        self._ends, self._middle, self._half = ends, 0.5 * self._dz * (ends[1:] + ends[:-1]), 0.5 * self._dz * planes
-        self._margin = MARGIN * self._dz + 0.5 * float(np.cbrt(np.prod(grid.spacing)))
+        period = grid.size[2] if grid.is_periodic[2] else 0.0
+        self._cuts = Cuts([int(n) for n in ranks.table([grid.slab.planes])[:, 0]], grid.spacing, period)
         self.holders = np.zeros((ranks.size, len(diameter)), bool)
 
     def hold(self, bodies: Bodies, dt: float) -> NDArray[np.bool_]:
@@ -59,16 +97,10 @@ class Sharing:
         z = bodies.position[:, 2]
         if not np.isfinite(z).all():
             raise ValueError("position: a body is not finite")
-        apart = z[None, :] - self._middle[:, None]
-        if self._period:
-            apart -= self._period * np.round(apart / self._period)
-        reach = self._radius + self._margin + 0.5 * dt * np.abs(bodies.velocity[:, 2])
-        beyond = np.abs(apart) - self._half[:, None] - reach[None, :]
         before = self.holders
-        self.holders = beyond <= np.where(before, PATIENCE * self._dz, 0.0)
-        plane = np.clip(np.floor(z / self._dz), 0.0, self._ends[-1] - 1.0)
-        owner = np.searchsorted(self._ends, plane, side="right") - 1
-        rank = self._ranks.rank
+        beyond = self._cuts.beyond(z, self._radius + 0.5 * dt * np.abs(bodies.velocity[:, 2]))
+        self.holders = beyond <= np.where(before, PATIENCE * self._cuts.dz, 0.0)
+        owner, rank = self._cuts.owner(z), self._ranks.rank
         self.here = np.flatnonzero(self.holders[rank])
         self.is_own = owner[self.here] == rank
         self.order = np.argsort(owner, kind="stable")

@@ -220,16 +220,21 @@ def _faces_behind(grid: Grid, component: int, depth: float) -> tuple[NDArray[np.
     counts, spacing, box = np.array(grid.cells), np.array(grid.spacing), grid.box
     offset = np.where(np.arange(3) == component, 0.0, 0.5)
     last = counts + 1 - ((np.arange(3) == component) & ~np.array(grid.is_periodic))  # faces on the box's own walls
-    axes = [np.arange(1, last[n]) for n in range(3)]
-    k, j, i = (c.reshape(-1) for c in np.meshgrid(*axes[::-1], indexing="ij"))
-    points = (np.stack([i, j, k], axis=1) - offset) * spacing
-    places = (k * (counts[1] + 2) + j) * (counts[0] + 2) + i
-    deepest, value = np.full(len(points), np.inf), np.zeros(len(points))
-    for wall in box.walls:
-        distance = wall.distance(points, box.period)[0]
-        nearer = distance < np.minimum(deepest, -depth)
-        deepest[nearer] = distance[nearer]
-        moving = distance[nearer] > -depth - _MOVING_LAYER * float(spacing.max())
-        value[nearer] = np.where(moving, _velocity(wall, points[nearer])[:, component], 0.0)
-    behind = np.isfinite(deepest)
-    return places[behind].astype(np.int64), value[behind]
+    x, y, z = (np.arange(1, last[n]) for n in range(3))
+    if not box.walls:
+        return np.zeros(0, np.int64), np.zeros(0)
+    j, i = (c.reshape(-1) for c in np.meshgrid(y, x, indexing="ij"))
+    found, values = [], []
+    for k in z:  # plane by plane: a whole field of points takes much memory
+        points = (np.stack([i, j, np.full_like(i, k)], axis=1) - offset) * spacing
+        deepest, value = np.full(len(points), np.inf), np.zeros(len(points))
+        for wall in box.walls:
+            distance = wall.distance(points, box.period)[0]
+            nearer = distance < np.minimum(deepest, -depth)
+            deepest[nearer] = distance[nearer]
+            moving = distance[nearer] > -depth - _MOVING_LAYER * float(spacing.max())
+            value[nearer] = np.where(moving, _velocity(wall, points[nearer])[:, component], 0.0)
+        behind = np.isfinite(deepest)
+        found.append(((k * (counts[1] + 2) + j) * (counts[0] + 2) + i)[behind])
+        values.append(value[behind])
+    return np.concatenate(found).astype(np.int64), np.concatenate(values)

@@ -1,0 +1,197 @@
+"""What a case implies on several ranks: planes, memory and messages of each, and how well they work together."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rdpm.errors import CaseError
+from rdpm.particles.seeding import marker_count
+from rdpm.particles.sharing import Cuts
+from rdpm.particles.state import Bodies
+from rdpm.setup.disk import size_text
+from rdpm.setup.needs import memory_needs
+from rdpm.setup.on_ranks import MARKER_COST, planes_of_ranks, refused
+from rdpm.setup.plan import Plan
+from rdpm.setup.rank_traffic import Traffic, shared_with, step_traffic
+from rdpm.setup.rows import EXPECTED_NS, PlanRow
+from rdpm.setup.scales import memory_needed
+
+__all__ = ["RankShare", "RanksPlan", "plan_ranks"]
+
+#: Planes of 8 bytes a cell that a slab has beside its fields: factors of its pressure solve, what it says to others.
+SLAB_PLANES = 100
+
+#: What MPI takes in each process [bytes].
+MPI = 25_000_000
+
+#: Of the model: time of a message [s], and what a rank sends in a second [bytes].
+LATENCY, BANDWIDTH = 3e-6, 1e10
+
+#: Time of a body's contacts in a step [s], which every rank computes, as if all touched.
+CONTACT = 4.3e-6
+
+#: Part of a marker's work that every rank with its body does; the other part is of the planes that it touches.
+HELD = 0.4
+
+
+@dataclass(frozen=True)
+class RankShare:
+    """What one rank has.
+
+    Attributes
+    ----------
+    planes : int
+        Of cells across z.
+    bodies, markers : int
+        That it works on when the run starts.
+    memory : int, [bytes]
+        Peak of its process.
+    sent : Traffic
+        In a step in which no body comes to another slab, and none hits another.
+    work, waiting : float, [s]
+        In a step: on one thread as on the machine of the estimate, and of messages by the model.
+    """
+
+    planes: int
+    bodies: int
+    markers: int
+    memory: int
+    sent: Traffic
+    work: float
+    waiting: float
+
+
+@dataclass(frozen=True)
+class RanksPlan:
+    """What a case implies on several ranks.
+
+    Attributes
+    ----------
+    threads : int
+        Of each rank.
+    shares : list of RankShare
+        From bottom to top.
+    efficiency : float, [-]
+        By a model: speed over that of as many threads in one process that scales perfectly.
+    seconds : float, [s]
+        Wall time of the run, without output.
+    refused : dict of str to str
+        Keys of the case that several ranks cannot run, and what they ask for.
+    """
+
+    threads: int
+    shares: list[RankShare]
+    efficiency: float
+    seconds: float
+    refused: dict[str, str]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers for machines."""
+        shares = [
+            {
+                "planes": share.planes,
+                "bodies": share.bodies,
+                "markers": share.markers,
+                "memory_bytes": share.memory,
+                "messages_a_step": share.sent.messages,
+                "sent_bytes_a_step": share.sent.sent_bytes,
+            }
+            for share in self.shares
+        ]
+        return {
+            "ranks": len(shares),
+            "threads": self.threads,
+            "shares": shares,
+            "efficiency": self.efficiency,
+            "seconds": self.seconds,
+            "refused": self.refused,
+        }
+
+    def rows(self) -> list[PlanRow]:
+        """The same for a reader."""
+        shares = self.shares
+
+        def span(values: list[int], text: Any = str) -> str:
+            low, high = text(min(values)), text(max(values))
+            return low if low == high else f"{low} to {high}"
+
+        rows = [
+            PlanRow("planes a rank", ", ".join(str(share.planes) for share in shares), "", "from bottom to top"),
+            PlanRow("markers a rank", span([share.markers for share in shares])),
+            PlanRow("memory a rank", span([share.memory for share in shares], size_text)),
+            PlanRow("messages a rank, step", span([share.sent.messages for share in shares])),
+            PlanRow("sent a rank, step", span([share.sent.sent_bytes for share in shares], size_text)),
+            PlanRow(
+                "efficiency", f"{100.0 * self.efficiency:.0f} %", "ok" if self.efficiency >= 0.7 else "warning",
+                f"a model: {1e6 * LATENCY:g} us a message, {1e-9 * BANDWIDTH:g} GB/s a rank",
+            ),
+            PlanRow("time", f"about {self.seconds:.0f} s", "", f"{self.threads} threads a rank, without output"),
+        ]  # fmt: skip
+        return rows + [PlanRow(key, what, "warning", "needs one process") for key, what in self.refused.items()]
+
+
+def plan_ranks(made: Plan, ranks: int, threads: int = 1) -> RanksPlan:
+    """Work out what a case implies on several ranks.
+
+    Parameters
+    ----------
+    made : Plan
+    ranks : int
+        >= 1.
+    threads : int
+        Of each rank, for the estimate of time.
+
+    Returns
+    -------
+    RanksPlan
+
+    Raises
+    ------
+    CaseError
+        A dry case, which all ranks run alike; or too many ranks.
+
+    Examples
+    --------
+    >>> from rdpm.config.load import load_case
+    >>> from rdpm.setup.plan import plan
+    >>> [share.planes for share in plan_ranks(plan(load_case("dkt")), 2).shares]
+    [137, 133]
+    """
+    case, cells = made.case, made.cells
+    if cells is None or ranks < 1:
+        reason = "a dry case is run alike by all ranks" if cells is None else "a run has one at least"
+        raise CaseError("--ranks", ranks, "must share a flow" if cells is None else "must be at least 1", reason)
+    table = case.expanded_bodies()
+    bodies = Bodies(table.diameter, table.density, table.position, table.velocity)
+    planes, costs = planes_of_ranks(made, bodies, ranks)
+    x, y, dz = (length / n for length, n in zip(case.domain.size, cells, strict=True))
+    period = case.domain.size[2] if case.domain.is_periodic[2] else 0.0
+    cuts, z = Cuts(planes, (x, y, dz), period), bodies.position[:, 2]
+    h = float(np.cbrt(x * y * dz))
+    markers = np.array([marker_count(0.5 * d, h) for d in bodies.diameter], np.int64)
+    holders = cuts.beyond(z, 0.5 * bodies.diameter + 0.5 * made.step.dt * np.abs(bodies.velocity[:, 2])) <= 0.0
+    owned = np.bincount(cuts.owner(z), minlength=ranks)
+    stages = 0 if made.step.is_explicit else made.step.stages
+    ends, shares = np.concatenate([[0], np.cumsum(planes)]), []
+    for rank in range(ranks):
+        shared = shared_with(holders, markers, rank)
+        own = int(owned[rank]) if len(bodies) else None
+        sent = step_traffic(cells, ranks, rank, period > 0.0, stages, shared, own)
+        held = int(markers[holders[rank]].sum())
+        slab = cells[0], cells[1], planes[rank]
+        solver = memory_needed(slab, made.step.is_explicit, held) + 8 * cells[0] * cells[1] * SLAB_PLANES
+        memory = memory_needs(case, slab, solver).process + MPI
+        flow, in_planes = cells[0] * cells[1] * planes[rank], float(costs[ends[rank] : ends[rank + 1]].sum())
+        cost = flow + (1.0 - HELD) * (in_planes - flow) + HELD * MARKER_COST * held
+        work = 1e-9 * EXPECTED_NS * cost
+        waiting = LATENCY * sent.messages + sent.sent_bytes / BANDWIDTH
+        shares.append(RankShare(planes[rank], int(holders[rank].sum()), held, memory, sent, work, waiting))
+    contacts = CONTACT * len(bodies)
+    ideal = (1e-9 * EXPECTED_NS * float(costs.sum()) + contacts) / (ranks * threads)
+    slowest = max((share.work + contacts) / threads + share.waiting for share in shares)
+    efficiency = ideal / slowest if math.isfinite(slowest) else 0.0
+    return RanksPlan(threads, shares, efficiency, made.steps * slowest, refused(case))
