@@ -86,6 +86,11 @@ class Fluid:
         """Length of the last step [s]; 0 before the first."""
         return self._last_dt
 
+    @property
+    def pressure_offset(self) -> float:
+        """Of the pressure on a slab to that of one rank [m^2/s^2]."""
+        return self._projection.offset if isinstance(self._projection, SlabProjection) else 0.0
+
     def set_velocity(self, u: Field | float, v: Field | float, w: Field | float) -> None:
         """Change the velocity: inner cells as given, halos from the boundaries.
 

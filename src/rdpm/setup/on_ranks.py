@@ -71,22 +71,12 @@ def planes_of_ranks(made: Plan, bodies: Bodies, ranks: int) -> tuple[list[int], 
 
 def refused(case: Case) -> dict[str, str]:
     """Keys of a case with a fluid that one process alone can run, and what they ask for."""
-    output = case.output
-    asked = {
-        "domain.boundary": any(kind not in ("periodic", "wall", "free-slip") for kind in case.domain.kinds),
-        "walls": bool(case.walls),
-        "output.points": bool(output.points),
-        "output.lines": bool(output.lines),
-        "output.planes": bool(output.planes),
-        "output.average_from": output.average_from is not None,
-        "output.vorticity": output.vorticity,
-        "output.q_criterion": output.q_criterion,
-    }
-    return {
-        key: "inflow and outflow" if key == "domain.boundary" else key.rpartition(".")[2].replace("_", " ")
-        for key, is_asked in asked.items()
-        if is_asked
-    }
+    found = {}
+    if any(kind not in ("periodic", "wall", "free-slip") for kind in case.domain.kinds):
+        found["domain.boundary"] = "inflow and outflow"
+    if case.walls:
+        found["walls"] = "walls"
+    return found
 
 
 def _refuse(made: Plan, ranks: Ranks) -> None:
