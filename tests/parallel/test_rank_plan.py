@@ -7,7 +7,6 @@ import pytest
 import rdpm
 from builders import oil_case
 from rdpm.cli.main import main
-from rdpm.config.write import case_to_toml
 from rdpm.errors import CaseError
 from rdpm.setup import plan
 from rdpm.setup.rank_plan import plan_ranks
@@ -19,6 +18,8 @@ PERIODIC = {"x": "wall", "y": "periodic", "z": "periodic"}
 CASES = {
     "explicit": dict(time__diffusion="explicit"),
     "stabilised, periodic": dict(time__diffusion="stabilised", time__step=4e-3, domain__boundary=PERIODIC),
+    "tube": dict(domain__boundary=PERIODIC, walls=[
+        {"shape": "cylinder", "point": [0.03, 0.03, 0.0], "axis": [0.0, 0.0, 1.0], "diameter": 0.052}]),
     "no bodies": dict(bodies=[], contact=None, time__diffusion="explicit", resolution={"cells": [24, 24, 36]}),
 }
 
@@ -49,18 +50,16 @@ def test_ranks_send_what_was_told(changes, count: int) -> None:
     assert 0.0 < whole.efficiency < 1.0
 
 
-def test_check_tells_what_each_rank_has(tmp_path, capsys) -> None:
-    path = tmp_path / "case.toml"
-    path.write_text(case_to_toml(rdpm.load_case(oil_case(output__vorticity=True, output__points=[[0.01] * 3]))))
-    assert main(["check", str(path), "--ranks", "2", "--json"]) == 0
+def test_check_tells_what_each_rank_has(capsys) -> None:
+    assert main(["check", "stream", "--ranks", "2", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     shares = told["on_ranks"]["shares"]
     assert sum(share["planes"] for share in shares) == told["cells"][2]
     assert all(share["memory_bytes"] < told["memory_bytes"] + 1e8 for share in shares)
-    assert told["on_ranks"]["refused"] == {"output.points": "points", "output.vorticity": "vorticity"}
-    assert main(["check", str(path), "--ranks", "2"]) == 0
+    assert told["on_ranks"]["refused"] == {"domain.boundary": "inflow and outflow"}
+    assert main(["check", "stream", "--ranks", "2"]) == 0
     text = capsys.readouterr().out
-    for said in ("2 MPI ranks", "sent a rank, step", "efficiency", "output.vorticity"):
+    for said in ("2 MPI ranks", "sent a rank, step", "efficiency", "domain.boundary"):
         assert said in text
 
 

@@ -25,9 +25,10 @@ OUTPUT = {
     "q_criterion": True,
 }  # fmt: skip
 BALL = [{"diameter": 0.015, "density": 4000.0, "centers": [[0.027, 0.034, 0.05]], "velocity": [0.1, -0.1, -0.3]}]
-BOUNDARY = {
-    "walls": {"x": "wall", "y": "wall", "z": "wall"},
-    "periodic along z": {"x": "wall", "y": "free-slip", "z": "periodic"},
+TUBE = {"shape": "cylinder", "point": [0.03, 0.03, 0.0], "axis": [0.0, 0.0, 1.0], "diameter": 0.052}
+BOXES = {
+    "walls": {"domain__boundary": {"x": "wall", "y": "wall", "z": "wall"}},
+    "tube": {"domain__boundary": {"x": "wall", "y": "free-slip", "z": "periodic"}, "walls": [TUBE]},
 }
 
 
@@ -52,11 +53,10 @@ def compared(found: Run, expected: Run) -> None:
             )
 
 
-@pytest.mark.parametrize("boundary", BOUNDARY.values(), ids=BOUNDARY.keys())
-def test_samples_on_slabs_are_those_of_the_whole_box_and_go_on_anywhere(boundary, tmp_path) -> None:
+@pytest.mark.parametrize("box", BOXES.values(), ids=BOXES.keys())
+def test_samples_on_slabs_are_those_of_the_whole_box_and_go_on_anywhere(box, tmp_path) -> None:
     made = oil_case(
-        bodies=BALL, domain__boundary=boundary, resolution__cells_per_diameter=4, time__end=0.024, time__step=1e-3,
-        output=OUTPUT,
+        bodies=BALL, resolution__cells_per_diameter=4, time__end=0.024, time__step=1e-3, output=OUTPUT, **box
     )  # fmt: skip
     case = rdpm.load_case(made)
 

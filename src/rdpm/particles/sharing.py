@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from rdpm.grid import Grid
 from rdpm.parallel.ranks import Ranks
 from rdpm.particles.state import Bodies
 
-__all__ = ["Cuts", "Sharing"]
+__all__ = ["Common", "Cuts", "Sharing"]
 
 Floats = NDArray[np.float64]
 Ids = NDArray[np.int64]
@@ -61,6 +61,42 @@ class Cuts:
         """The rank in whose slab each centre lies."""
         plane = np.clip(np.floor(z / self.dz), 0.0, self._ends[-1] - 1.0)
         return np.asarray(np.searchsorted(self._ends, plane, side="right") - 1, np.int64)
+
+
+class Common:
+    """Rows that several ranks hold, each with its part of them.
+
+    Parameters
+    ----------
+    ranks : Ranks
+    rows : mapping of int to ndarray of int
+        By other rank, which rows here it has too, in the same order as there.
+    are_pairs : bool
+        No row is held by more than two.
+    """
+
+    def __init__(self, ranks: Ranks, rows: Mapping[int, Ids], are_pairs: bool) -> None:
+        self._ranks, self._rows, self._are_pairs = ranks, rows, are_pairs
+
+    def add_up(self, rows: Floats) -> None:
+        """Change rows to the sum of what their holders have, added up in the order of ranks: all get the same."""
+        index = self._rows
+        if not index:
+            return
+        received = {rank: np.empty((len(at), rows.shape[1])) for rank, at in index.items()}
+        self._ranks.swap([(rank, rows[at]) for rank, at in index.items()], list(received.items()))
+        if self._are_pairs:  # a + b = b + a
+            for rank, at in index.items():
+                rows[at] += received[rank]
+            return
+        shared = np.unique(np.concatenate(list(index.values())))
+        own = rows[shared]
+        rows[shared] = 0.0
+        for rank in sorted([*index, self._ranks.rank]):
+            if rank == self._ranks.rank:
+                rows[shared] += own
+            else:
+                rows[index[rank]] += received[rank]
 
 
 class Sharing:
@@ -153,33 +189,18 @@ class Sharing:
 
     def index(self, first: NDArray[np.int32]) -> None:
         """Find the rows here of bodies that others hold too; `first`: where each body's markers begin."""
-        self._bodies: dict[int, Ids] = {}
-        self._markers: dict[int, Ids] = {}
+        bodies: dict[int, Ids] = {}
+        markers: dict[int, Ids] = {}
         held = self.holders[:, self.here]
-        self._are_pairs = not (held.sum(axis=0) > 2).any()
+        are_pairs = not (held.sum(axis=0) > 2).any()
         lengths = np.diff(first)
         for rank in np.flatnonzero(held.any(axis=1)):
             common = held[rank]
             if rank != self._ranks.rank and common.any():
-                self._bodies[int(rank)] = np.flatnonzero(common)
-                self._markers[int(rank)] = np.flatnonzero(np.repeat(common, lengths))
+                bodies[int(rank)] = np.flatnonzero(common)
+                markers[int(rank)] = np.flatnonzero(np.repeat(common, lengths))
+        self._of_bodies, self._of_markers = (Common(self._ranks, rows, are_pairs) for rows in (bodies, markers))
 
     def complete(self, rows: Floats, is_of_markers: bool) -> None:
         """Change rows of shared bodies to the sum of what their holders have, added up in the order of ranks."""
-        index = self._markers if is_of_markers else self._bodies
-        if not index:
-            return
-        received = {rank: np.empty((len(at), rows.shape[1])) for rank, at in index.items()}
-        self._ranks.swap([(rank, rows[at]) for rank, at in index.items()], list(received.items()))
-        if self._are_pairs:  # a + b = b + a
-            for rank, at in index.items():
-                rows[at] += received[rank]
-            return
-        shared = np.unique(np.concatenate(list(index.values())))
-        own = rows[shared]
-        rows[shared] = 0.0
-        for rank in sorted([*index, self._ranks.rank]):
-            if rank == self._ranks.rank:
-                rows[shared] += own
-            else:
-                rows[index[rank]] += received[rank]
+        (self._of_markers if is_of_markers else self._of_bodies).add_up(rows)

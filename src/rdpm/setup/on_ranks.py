@@ -74,8 +74,6 @@ def refused(case: Case) -> dict[str, str]:
     found = {}
     if any(kind not in ("periodic", "wall", "free-slip") for kind in case.domain.kinds):
         found["domain.boundary"] = "inflow and outflow"
-    if case.walls:
-        found["walls"] = "walls"
     return found
 
 

@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 
 from rdpm.errors import CaseError
+from rdpm.particles.calibration import CALIBRATION
 from rdpm.particles.seeding import marker_count
 from rdpm.particles.sharing import Cuts
 from rdpm.particles.state import Bodies
+from rdpm.particles.walls import wall_points
 from rdpm.setup.disk import size_text
 from rdpm.setup.needs import memory_needs
 from rdpm.setup.on_ranks import MARKER_COST, planes_of_ranks, refused
@@ -134,6 +136,16 @@ class RanksPlan:
         return rows + [PlanRow(key, what, "warning", "needs one process") for key, what in self.refused.items()]
 
 
+def _of_walls(made: Plan, cuts: Cuts, h: float, rank: int) -> dict[int, int] | None:
+    """By other rank, how many markers of walls within the box both have."""
+    if not made.case.walls:
+        return None
+    size, depth = np.array(made.case.domain.size), CALIBRATION.marker_retraction * h
+    z = np.concatenate([wall_points(wall.surface, size, h, depth)[0][:, 2] for wall in made.case.walls])
+    holders = cuts.beyond(z, np.zeros(len(z))) <= 0.0
+    return {other: n for other, (n, _) in shared_with(holders, np.ones(len(z), np.int64), rank).items()}
+
+
 def plan_ranks(made: Plan, ranks: int, threads: int = 1) -> RanksPlan:
     """Work out what a case implies on several ranks.
 
@@ -179,8 +191,8 @@ def plan_ranks(made: Plan, ranks: int, threads: int = 1) -> RanksPlan:
     ends, shares = np.concatenate([[0], np.cumsum(planes)]), []
     for rank in range(ranks):
         shared = shared_with(holders, markers, rank)
-        own = int(owned[rank]) if len(bodies) else None
-        sent = step_traffic(cells, ranks, rank, period > 0.0, stages, shared, own)
+        own = int(owned[rank]) if len(bodies) or case.walls else None
+        sent = step_traffic(cells, ranks, rank, period > 0.0, stages, shared, own, _of_walls(made, cuts, h, rank))
         held = int(markers[holders[rank]].sum())
         slab = cells[0], cells[1], planes[rank]
         solver = memory_needed(slab, made.step.is_explicit, held) + 8 * cells[0] * cells[1] * SLAB_PLANES

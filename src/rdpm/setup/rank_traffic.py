@@ -39,6 +39,7 @@ def step_traffic(
     stages: int,
     shared: Mapping[int, tuple[int, int]],
     owned: int | None,
+    of_walls: Mapping[int, int] | None = None,
     passes: int = CALIBRATION.forcing_passes,
 ) -> Traffic:
     """Count what a rank sends in a step in which no body comes to another slab, and none hits another.
@@ -55,7 +56,9 @@ def step_traffic(
     shared : mapping of int to (int, int)
         By other rank, the bodies and the markers that both hold.
     owned : int or None
-        Bodies whose centres are in this slab; None where the box has no bodies.
+        Bodies whose centres are in this slab; None where the box has neither bodies nor walls within it.
+    of_walls : mapping of int to int, optional
+        By other rank, the markers of walls within the box that both have; None without walls.
     passes : int
         Of direct forcing.
 
@@ -85,6 +88,9 @@ def step_traffic(
             # Their interior before the passes and at the end, and their markers' velocities in each pass.
             messages, numbers = messages + 2 + passes, numbers + 2 * INTERIOR * bodies + passes * MARKER * markers
         messages, numbers = messages + others, numbers + ROW_COLUMNS * owned * others
+    if of_walls is not None:  # their velocities in each pass, and the force on the fluid
+        messages, numbers = messages + passes * len(of_walls), numbers + passes * MARKER * sum(of_walls.values())
+        messages, numbers = messages + others, numbers + 3 * others
     return Traffic(messages, 8 * numbers)
 
 
