@@ -74,7 +74,7 @@ class Fluid:
             self._halo = Halo(self.ranks, self.grid.slab)
             self._projection = SlabProjection(self.grid, self.ranks, self._halo)
         inflow = self.grid.box.inflow
-        self._ends = OpenEnds(self.grid, inflow) if inflow is not None else None
+        self._ends = OpenEnds(self.grid, inflow, self.ranks) if inflow is not None else None
 
     @property
     def velocity(self) -> tuple[Field, Field, Field]:
@@ -112,6 +112,8 @@ class Fluid:
             self._ends.begin(self.velocity)
             self.project(1.0)
             self.p.fill(0.0)
+            if isinstance(self._projection, SlabProjection):
+                self._projection.offset = 0.0
 
     def weights(self, dt: float) -> tuple[float, float]:
         """Adams-Bashforth 2 weights of the new and the stored tendency: a and b in eq. (3) of docs/theory/fluid.md.
@@ -172,9 +174,7 @@ class Fluid:
         if isinstance(self._projection, SlabProjection):
             measures = self._projection.project(self.velocity, self.p, self.increment, dt, rotational)
         else:
-            measures = self._projection.project(
-                self.grid.core, *self.velocity, self.p, self.increment, dt, rotational
-            )
+            measures = self._projection.project(self.grid.core, *self.velocity, self.p, self.increment, dt, rotational)
         self.cfl_rate, self.square_sum = measures
 
     def largest_divergence(self) -> float:

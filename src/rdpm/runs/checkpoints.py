@@ -275,8 +275,11 @@ def load_newest(
             "output.checkpoint_every in that run."
         )
         raise CheckpointError(
-            "--at", f"{at:g} s", f"must be the time of a checkpoint, or at most {tolerance:.3g} s after it",
-            f"there are those at {listed} s", cure,
+            "--at",
+            f"{at:g} s",
+            f"must be the time of a checkpoint, or at most {tolerance:.3g} s after it",
+            f"there are those at {listed} s",
+            cure,
         )
     reason = f"all {spoiled} are spoiled" if spoiled else "there is none"
     raise CheckpointError(str(folder), None, "must hold a good checkpoint", reason, "Start the run anew.")

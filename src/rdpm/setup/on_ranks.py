@@ -1,18 +1,16 @@
-"""What several ranks can run, and how the box is cut among them."""
+"""How the box is cut among several ranks."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm.config.case import Case
-from rdpm.errors import CaseError
 from rdpm.parallel.decomposition import LEAST_PLANES, Slab, cut, slabs
 from rdpm.parallel.ranks import Ranks
 from rdpm.particles.state import Bodies
 from rdpm.setup.plan import Plan
 
-__all__ = ["plane_costs", "planes_of_ranks", "refused", "slab_of"]
+__all__ = ["plane_costs", "planes_of_ranks", "slab_of"]
 
 #: Time of a marker's step over that of a cell's (measured: 370 and 13.6 ns); only the balance of ranks depends on it.
 MARKER_COST = 27.0
@@ -49,11 +47,10 @@ def slab_of(made: Plan, bodies: Bodies, ranks: Ranks) -> Slab | None:
     Raises
     ------
     CaseError
-        Several ranks cannot run this case, or not so many.
+        Too many ranks.
     """
     if ranks.size == 1 or made.cells is None:
         return None
-    _refuse(made, ranks)
     return slabs(planes_of_ranks(made, bodies, ranks.size)[0], made.case.domain.is_periodic[2])[ranks.rank]
 
 
@@ -67,20 +64,3 @@ def planes_of_ranks(made: Plan, bodies: Bodies, ranks: int) -> tuple[list[int], 
     """
     costs = plane_costs(made, bodies)
     return cut(costs, ranks, max(LEAST_PLANES, made.step.stages + 1)), costs
-
-
-def refused(case: Case) -> dict[str, str]:
-    """Keys of a case with a fluid that one process alone can run, and what they ask for."""
-    found = {}
-    if any(kind not in ("periodic", "wall", "free-slip") for kind in case.domain.kinds):
-        found["domain.boundary"] = "inflow and outflow"
-    return found
-
-
-def _refuse(made: Plan, ranks: Ranks) -> None:
-    """What one process alone can do with a fluid."""
-    for key, what in refused(made.case).items():
-        raise CaseError(
-            key, f"{what}, on {ranks.size} MPI ranks", "needs one process", "a rank has a slab of the flow only",
-            "Start one process, with --threads, or leave it out.",
-        )  # fmt: skip

@@ -16,7 +16,7 @@ from rdpm.particles.state import Bodies
 from rdpm.particles.walls import wall_points
 from rdpm.setup.disk import size_text
 from rdpm.setup.needs import memory_needs
-from rdpm.setup.on_ranks import MARKER_COST, planes_of_ranks, refused
+from rdpm.setup.on_ranks import MARKER_COST, planes_of_ranks
 from rdpm.setup.plan import Plan
 from rdpm.setup.rank_traffic import Traffic, shared_with, step_traffic
 from rdpm.setup.rows import EXPECTED_NS, PlanRow
@@ -81,15 +81,12 @@ class RanksPlan:
         By a model: speed over that of as many threads in one process that scales perfectly.
     seconds : float, [s]
         Wall time of the run, without output.
-    refused : dict of str to str
-        Keys of the case that several ranks cannot run, and what they ask for.
     """
 
     threads: int
     shares: list[RankShare]
     efficiency: float
     seconds: float
-    refused: dict[str, str]
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers for machines."""
@@ -110,7 +107,6 @@ class RanksPlan:
             "shares": shares,
             "efficiency": self.efficiency,
             "seconds": self.seconds,
-            "refused": self.refused,
         }
 
     def rows(self) -> list[PlanRow]:
@@ -121,7 +117,7 @@ class RanksPlan:
             low, high = text(min(values)), text(max(values))
             return low if low == high else f"{low} to {high}"
 
-        rows = [
+        return [
             PlanRow("planes a rank", ", ".join(str(share.planes) for share in shares), "", "from bottom to top"),
             PlanRow("markers a rank", span([share.markers for share in shares])),
             PlanRow("memory a rank", span([share.memory for share in shares], size_text)),
@@ -133,7 +129,6 @@ class RanksPlan:
             ),
             PlanRow("time", f"about {self.seconds:.0f} s", "", f"{self.threads} threads a rank, without output"),
         ]  # fmt: skip
-        return rows + [PlanRow(key, what, "warning", "needs one process") for key, what in self.refused.items()]
 
 
 def _of_walls(made: Plan, cuts: Cuts, h: float, rank: int) -> dict[int, int] | None:
@@ -192,7 +187,8 @@ def plan_ranks(made: Plan, ranks: int, threads: int = 1) -> RanksPlan:
     for rank in range(ranks):
         shared = shared_with(holders, markers, rank)
         own = int(owned[rank]) if len(bodies) or case.walls else None
-        sent = step_traffic(cells, ranks, rank, period > 0.0, stages, shared, own, _of_walls(made, cuts, h, rank))
+        walls, is_stream = _of_walls(made, cuts, h, rank), case.domain.inflow_axis in (0, 1)
+        sent = step_traffic(cells, ranks, rank, period > 0.0, stages, shared, own, walls, is_stream)
         held = int(markers[holders[rank]].sum())
         slab = cells[0], cells[1], planes[rank]
         solver = memory_needed(slab, made.step.is_explicit, held) + 8 * cells[0] * cells[1] * SLAB_PLANES
@@ -206,4 +202,4 @@ def plan_ranks(made: Plan, ranks: int, threads: int = 1) -> RanksPlan:
     ideal = (1e-9 * EXPECTED_NS * float(costs.sum()) + contacts) / (ranks * threads)
     slowest = max((share.work + contacts) / threads + share.waiting for share in shares)
     efficiency = ideal / slowest if math.isfinite(slowest) else 0.0
-    return RanksPlan(threads, shares, efficiency, made.steps * slowest, refused(case))
+    return RanksPlan(threads, shares, efficiency, made.steps * slowest)

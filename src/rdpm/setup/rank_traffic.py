@@ -40,6 +40,7 @@ def step_traffic(
     shared: Mapping[int, tuple[int, int]],
     owned: int | None,
     of_walls: Mapping[int, int] | None = None,
+    is_stream: bool = False,
     passes: int = CALIBRATION.forcing_passes,
 ) -> Traffic:
     """Count what a rank sends in a step in which no body comes to another slab, and none hits another.
@@ -59,6 +60,8 @@ def step_traffic(
         Bodies whose centres are in this slab; None where the box has neither bodies nor walls within it.
     of_walls : mapping of int to int, optional
         By other rank, the markers of walls within the box that both have; None without walls.
+    is_stream : bool
+        Fluid enters and leaves along x or y: the ranks agree on how much leaves.
     passes : int
         Of direct forcing.
 
@@ -81,8 +84,8 @@ def step_traffic(
     messages, numbers = messages + 2 * others, numbers + 2 * (nx * ny - mine) + 2 * mine * others
     if stages:  # the rate of each component, as deep as the stages reach
         messages, numbers = messages + 3 * (up + down), numbers + 3 * (up + down) * (stages - 1) * plane
-    columns = MEASURES + VOTE
-    messages, numbers = messages + 2 * others, numbers + columns * others
+    tables, columns = 2 + is_stream, MEASURES + VOTE + is_stream
+    messages, numbers = messages + tables * others, numbers + columns * others
     if owned is not None:
         for bodies, markers in shared.values():
             # Their interior before the passes and at the end, and their markers' velocities in each pass.
