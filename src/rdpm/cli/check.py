@@ -55,7 +55,7 @@ def check(
     loaded = load_case(source, set_)
     from rdpm.setup import plan  # a case that is wrong is told before the solver is loaded
 
-    planned, of_ranks = plan(loaded), None
+    planned, of_ranks = plan(loaded, machines=ranks or None), None
     if ranks:
         from rdpm.setup.rank_plan import plan_ranks
 

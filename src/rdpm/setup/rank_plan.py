@@ -33,6 +33,10 @@ MPI = 25_000_000
 #: Of the model: time of a message [s], and what a rank sends in a second [bytes].
 LATENCY, BANDWIDTH = 3e-6, 1e10
 
+#: Of a cell: a picture of the flow, or vorticity and Q, as a rank sends it; on the root one quantity put together, and
+#: rounded; averages likewise [bytes].
+PICTURE, GATHERED, AVERAGED = 16, 24, 48
+
 #: Time of a body's contacts in a step [s], which every rank computes, as if all touched.
 CONTACT = 4.3e-6
 
@@ -131,6 +135,20 @@ class RanksPlan:
         ]  # fmt: skip
 
 
+def _memory(made: Plan, rank: int, slab: tuple[int, int, int], solver: int) -> int:
+    """Peak of a rank's process [bytes]."""
+    assert made.cells is not None
+    needs, output = memory_needs(made.case, slab, solver), made.case.output
+    here, whole = math.prod(slab), math.prod(made.cells)
+    written = 0
+    if output.fields_every:
+        written = PICTURE * here * (2 if output.vorticity or output.q_criterion else 1)
+    if rank == 0:
+        written = max(needs.figures, written + (GATHERED * whole if output.fields_every else 0))
+        written = max(written, AVERAGED * whole if output.average_from is not None else 0)
+    return needs.solver + needs.libraries + MPI + written
+
+
 def _of_walls(made: Plan, cuts: Cuts, h: float, rank: int) -> dict[int, int] | None:
     """By other rank, how many markers of walls within the box both have."""
     if not made.case.walls:
@@ -192,7 +210,7 @@ def plan_ranks(made: Plan, ranks: int, threads: int = 1) -> RanksPlan:
         held = int(markers[holders[rank]].sum())
         slab = cells[0], cells[1], planes[rank]
         solver = memory_needed(slab, made.step.is_explicit, held) + 8 * cells[0] * cells[1] * SLAB_PLANES
-        memory = memory_needs(case, slab, solver).process + MPI
+        memory = _memory(made, rank, slab, solver)
         flow, in_planes = cells[0] * cells[1] * planes[rank], float(costs[ends[rank] : ends[rank + 1]].sum())
         cost = flow + (1.0 - HELD) * (in_planes - flow) + HELD * MARKER_COST * held
         work = 1e-9 * EXPECTED_NS * cost
