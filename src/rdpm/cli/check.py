@@ -12,6 +12,9 @@ from rdpm.cli.source import case_source
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from rdpm.setup.plan import Plan
+    from rdpm.setup.rank_plan import RanksPlan
+
 __all__ = ["check", "show_plan"]
 
 _COLOURS = {"ok": "green", "warning": "yellow"}
@@ -57,9 +60,7 @@ def check(
 
     planned, of_ranks = plan(loaded, machines=ranks or None), None
     if ranks:
-        from rdpm.setup.rank_plan import plan_ranks
-
-        of_ranks = plan_ranks(planned, ranks, threads)
+        of_ranks = _on_ranks(planned, ranks, threads)
     if json:
         import json as encoder
 
@@ -71,6 +72,16 @@ def check(
     if of_ranks:
         planned.sections.append((f"{ranks} MPI ranks", of_ranks.rows()))
     show_plan(planned, Console(highlight=False, markup=False))
+
+
+def _on_ranks(planned: Plan, ranks: int, threads: int) -> RanksPlan:
+    """What it implies on several ranks, with the speed of this machine."""
+    from rdpm.parallel.threads import processors
+    from rdpm.setup.cell_speed import measured_ns
+    from rdpm.setup.rank_plan import plan_ranks
+
+    plan_ranks(planned, ranks, threads)  # refuses what cannot run
+    return plan_ranks(planned, ranks, threads, measured_ns(planned, min(processors(), ranks * threads)))
 
 
 def show_plan(plan: Any, console: Console) -> None:

@@ -59,7 +59,7 @@ class RankShare:
     sent : Traffic
         In a step in which no body comes to another slab, and none hits another.
     work, waiting : float, [s]
-        In a step: on one thread as on the machine of the estimate, and of messages by the model.
+        In a step: on one thread, and of messages by the model.
     """
 
     planes: int
@@ -131,7 +131,7 @@ class RanksPlan:
                 "efficiency", f"{100.0 * self.efficiency:.0f} %", "ok" if self.efficiency >= 0.7 else "warning",
                 f"a model: {1e6 * LATENCY:g} us a message, {1e-9 * BANDWIDTH:g} GB/s a rank",
             ),
-            PlanRow("time", f"about {self.seconds:.0f} s", "", f"{self.threads} threads a rank, without output"),
+            PlanRow("time", f"about {self.seconds:.0f} s", "", f"{_threads(self.threads)} a rank; without output"),
         ]  # fmt: skip
 
 
@@ -159,7 +159,11 @@ def _of_walls(made: Plan, cuts: Cuts, h: float, rank: int) -> dict[int, int] | N
     return {other: n for other, (n, _) in shared_with(holders, np.ones(len(z), np.int64), rank).items()}
 
 
-def plan_ranks(made: Plan, ranks: int, threads: int = 1) -> RanksPlan:
+def _threads(count: int) -> str:
+    return "one thread" if count == 1 else f"{count} threads"
+
+
+def plan_ranks(made: Plan, ranks: int, threads: int = 1, cell_ns: float = EXPECTED_NS) -> RanksPlan:
     """Work out what a case implies on several ranks.
 
     Parameters
@@ -169,6 +173,8 @@ def plan_ranks(made: Plan, ranks: int, threads: int = 1) -> RanksPlan:
         >= 1.
     threads : int
         Of each rank, for the estimate of time.
+    cell_ns : float, [ns]
+        Time of a cell and step on one thread.
 
     Returns
     -------
@@ -213,11 +219,11 @@ def plan_ranks(made: Plan, ranks: int, threads: int = 1) -> RanksPlan:
         memory = _memory(made, rank, slab, solver)
         flow, in_planes = cells[0] * cells[1] * planes[rank], float(costs[ends[rank] : ends[rank + 1]].sum())
         cost = flow + (1.0 - HELD) * (in_planes - flow) + HELD * MARKER_COST * held
-        work = 1e-9 * EXPECTED_NS * cost
+        work = 1e-9 * cell_ns * cost
         waiting = LATENCY * sent.messages + sent.sent_bytes / BANDWIDTH
         shares.append(RankShare(planes[rank], int(holders[rank].sum()), held, memory, sent, work, waiting))
     contacts = CONTACT * len(bodies)
-    ideal = (1e-9 * EXPECTED_NS * float(costs.sum()) + contacts) / (ranks * threads)
+    ideal = (1e-9 * cell_ns * float(costs.sum()) + contacts) / (ranks * threads)
     slowest = max((share.work + contacts) / threads + share.waiting for share in shares)
     efficiency = ideal / slowest if math.isfinite(slowest) else 0.0
     return RanksPlan(threads, shares, efficiency, made.steps * slowest)

@@ -49,7 +49,7 @@ def bench_ranks(names: Sequence[str] = (), progress: Callable[[str], None] | Non
     Returns
     -------
     list of dict
-        ``name``; ``one`` and ``ranks``, as `rdpm.studies.bench.measure` gives them, of the turn of median speed;
+        ``name``; ``one`` and ``ranks``, as `rdpm.studies.bench.measure` gives them, each the one of median speed;
         ``speed``: that of the ranks over that of one.
 
     Raises
