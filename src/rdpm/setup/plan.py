@@ -22,7 +22,7 @@ from rdpm.setup.inflow import check_ends
 from rdpm.setup.kinds import kinds_of_pairs
 from rdpm.setup.needs import MemoryNeeds, memory_needs
 from rdpm.setup.plausible import implausible
-from rdpm.setup.rows import PlanRow, disk_rows, hard_sphere_rows, memory_rows, sections
+from rdpm.setup.rows import PlanRow, cohesion_rows, disk_rows, hard_sphere_rows, memory_rows, sections
 from rdpm.setup.scales import Scales, available_memory, memory_needed, scales
 from rdpm.setup.time_step import time_step
 from rdpm.setup.walls import check_room_behind
@@ -158,6 +158,8 @@ def plan(case: Case, contact_step: float | None = None, machines: float | None =
     rows = sections(case, cells, spacing, step, designed, found, steps, markers)
     if case.contact.model == "hard-sphere" and kinds:
         rows.append(("Contact, hard spheres", hard_sphere_rows(case, step.dt, found.fall)))
+    if case.contact.cohesion > 0.0 and kinds:
+        rows.append(("Contact, cohesion", cohesion_rows(case, kinds, designed, found.fall)))
     made = Plan(case, cells, step, law, designed, found, memory, steps, rows)
     rows.append(("Memory", memory_rows(made.needs, available_memory())))
     rows.append(("Disk", disk_rows(made.disk, fields_disk(case, cells, steps))))
