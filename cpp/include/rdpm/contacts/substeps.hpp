@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "rdpm/contacts/substep_task.hpp"
+#include "rdpm/contacts/tangential_lubrication.hpp"
 
 namespace rdpm::contacts {
 
@@ -54,13 +55,6 @@ inline Impulses solve_normal(const NormalImpulse& law, bool acts, double lambda,
     double contact = law.elastic + law.damping * (u_mid - 0.5 * all * inverse_mass);
     if (!acts || (!law.may_attract && contact < 0)) contact = 0;
     return {contact, h * lambda * (u - contact * inverse_mass) / (1 + viscous)};
-}
-
-// What is summed over both bodies begins with the upper one, so that its last bit does not depend on which of
-// them is i.
-inline bool points_up(const double* n) {
-    if (n[2] != 0) return n[2] > 0;
-    return n[1] != 0 ? n[1] > 0 : n[0] > 0;
 }
 
 // a b + c, rounded once where the machine can: the compiler is not left to choose which product it fuses.
@@ -145,6 +139,7 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
         p.j < 0 ? wall_geometry(task.box, b.x + 3 * p.i, b.radius[p.i], static_cast<int>(-1 - p.j))
                 : sphere_geometry(task.box, b.x + 3 * p.i, b.x + 3 * p.j, b.radius[p.i], b.radius[p.j]);
     progress.min_gap = std::min(progress.min_gap, -g.overlap);
+    if (lubrication) lubricate_tangentially(b, task.box, p, g, *lubrication, h, task.turned);
     double u = 0, acceleration = 0;  // rotation has no part along the normal
     for (int d = 0; d < 3; ++d) {
         u += (b.v[3 * p.i + d] - p.vj[d]) * g.n[d];

@@ -10,6 +10,7 @@ from typing import Any
 from rdpm.studies.validation.basset import basset
 from rdpm.studies.validation.mordant_pinton import mordant_pinton
 from rdpm.studies.validation.near_contact import near_contact
+from rdpm.studies.validation.near_contact_shear import near_contact_shear
 from rdpm.studies.validation.rebound import rebound
 from rdpm.studies.validation.result import Chart, Found, Row, Tell
 from rdpm.studies.validation.rotation import rotation
@@ -30,6 +31,7 @@ CASES: dict[str, tuple[Callable[[bool, Tell], Found], bool]] = {
     "mordant-pinton": (mordant_pinton, False),
     "stream": (stream, True),
     "near-contact": (near_contact, True),
+    "near-contact-shear": (near_contact_shear, True),
     "rebound": (rebound, True),
     "time-order": (time_order, True),
 }
