@@ -18,11 +18,14 @@ __all__ = ["LUBRICATION", "Lubrication"]
 Floats = NDArray[np.float64]
 
 _NORMAL = ("inverse", "log", "least_gap", "cutoff_gap", "touching_gap", "separation")
-_TANGENTIAL = ("slip", "slip_cutoff_gap", "slip_touching_gap", "roll", "roll_cutoff_gap", "roll_touching_gap")
+_TANGENTIAL = (
+    "slip", "slip_cutoff_gap", "slip_touching_gap", "roll", "roll_cutoff_gap", "roll_touching_gap", "largest_rate",
+)  # fmt: skip
 LUBRICATION = np.dtype([(name, np.float64) for name in _NORMAL + _TANGENTIAL])
 """Coefficients of 1/gap [N s] and ln(1/gap) [N s/m] of a pair, the gap below which the resistance is constant, the
 cut-off, and the gap at which the grid resolves touching surfaces [m], the fraction that acts where the surfaces part;
-coefficients of ln(1/gap) of slip and of roll, and their gaps; zeros: no lubrication."""
+coefficients of ln(1/gap) of slip and of roll, their gaps, the largest rate at which they are slowed [1/s]; zeros: no
+lubrication."""
 check_layout(LUBRICATION, _core.contact_layouts()["lubrication"], "lubrication")
 
 

@@ -19,7 +19,7 @@ SLIP, ROLL = 2.0, 6.0 / 5.0
 
 @dataclass(frozen=True)
 class TangentialLubrication:
-    r"""Resistances to the slip of two surfaces against each other and to their roll through the gap side by side.
+    r"""Resistances to the slip of two surfaces against each other and to their roll through the gap together.
 
     With the surface velocities :math:`p_i, p_j` at the gap, as they are where the line of centres rests, slip is
     :math:`p_i-p_j` and roll :math:`p_i+p_j`. Their resistances are :math:`2\pi\mu a_r\ln(1/g)` and
@@ -34,6 +34,9 @@ class TangentialLubrication:
         <= the first. `pair_slip` holds for walls within the box too, `roll` for all.
     radius : float, [m]
         Reduced radius :math:`a_r` that they belong to; for others they go as :math:`a_r^{2/3}`. > 0.
+    largest_rate : float, [1/s]
+        Rate at which slip and roll are slowed at most, resistance over inertia: a bound for bodies so light that the
+        fluid, coupled once a step, could not follow. None when left out. > 0.
 
     Raises
     ------
@@ -57,11 +60,14 @@ class TangentialLubrication:
     pair_slip: tuple[float, float]
     roll: tuple[float, float]
     radius: float
+    largest_rate: float = np.inf
 
     def __post_init__(self) -> None:
         if not 0.0 < self.radius < np.inf:
             rule = "must be a finite number above 0"
             raise CaseError("lubrication.tangential.radius", self.radius, rule, cure="Correct this value.")
+        if not self.largest_rate > 0.0:
+            raise CaseError("lubrication.tangential.largest_rate", self.largest_rate, "must be above 0")
         for name in ("wall_slip", "pair_slip", "roll"):
             cutoff, touching = getattr(self, name)
             if not 0.0 < touching <= cutoff < np.inf:
@@ -85,6 +91,7 @@ class TangentialLubrication:
         return {
             "slip": SLIP * viscous, "slip_cutoff_gap": slip[0], "slip_touching_gap": slip[1],
             "roll": ROLL * viscous, "roll_cutoff_gap": self.roll[0] * scale, "roll_touching_gap": self.roll[1] * scale,
+            "largest_rate": np.full_like(radius, self.largest_rate),
         }  # fmt: skip
 
     def rows_of_inner_walls(self, viscosity: float, radius: Floats, across: Floats) -> dict[str, Floats]:

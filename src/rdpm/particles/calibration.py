@@ -108,6 +108,12 @@ class Calibration:
         (0.3, 0.11), "cells", "the same of roll, beside walls and of two bodies", _SHEAR, _NEAR_SHEAR
     )
 
+    tangential_rate: float = _constant(
+        0.25, "-", "largest rate, times the time step, at which lubrication slows slip and roll",
+        "a sphere of half the fluid's density 0.001 a from a wall turns steadily at nu dt / h^2 = 1.5",
+        "python -m pytest tests/property/test_light_bodies.py",
+    )  # fmt: skip
+
     def retained_fraction(self, viscous_number: float) -> float:
         """Fraction x / (x + x_0) of the lagged forcing that the next step begins with, x = nu dt / h^2.
 

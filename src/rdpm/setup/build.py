@@ -156,8 +156,9 @@ def _system(made: Plan, threads: int, calibration: Calibration, ranks: Ranks) ->
         h, contact = float(np.cbrt(np.prod(grid.spacing))), case.contact
         separation = 1.0 if contact.lubrication_in_separation else 0.0
         lubrication = lubrication_correction(
-            fluid.mu, h, contact.lubrication_roughness, calibration, separation, contact.lubrication_tangential
-        )
+            fluid.mu, h, contact.lubrication_roughness, calibration, separation, contact.lubrication_tangential,
+            made.step.longest or made.step.dt,
+        )  # fmt: skip
     contacts = _contacts(made, bodies, box, lubrication, calibration, threads)
     immersed: ImmersedBodies | SharedBodies | None = None
     if len(bodies) or box.walls:
@@ -186,6 +187,7 @@ def lubrication_correction(
     calibration: Calibration = CALIBRATION,
     separation: float = 1.0,
     is_tangential: bool = True,
+    dt: float = 0.0,
 ) -> Lubrication:
     """What the grid does not resolve of lubrication.
 
@@ -203,6 +205,8 @@ def lubrication_correction(
         Fraction of it where surfaces part.
     is_tangential : bool
         Whether slip and roll are lubricated too.
+    dt : float, [s]
+        Longest time step of a run, which bounds the rate at which they are slowed; 0: no bound.
     """
     c = calibration
     wall = c.wall_activation_gap * h, roughness, c.wall_resolved_gap * h
@@ -212,7 +216,8 @@ def lubrication_correction(
         wall_slip, pair_slip, roll = (
             (h * cut, h * touching) for cut, touching in (c.wall_slip_gaps, c.pair_slip_gaps, c.roll_gaps)
         )
-        tangential = TangentialLubrication(wall_slip, pair_slip, roll, pair[2])
+        rate = c.tangential_rate / dt if dt else math.inf
+        tangential = TangentialLubrication(wall_slip, pair_slip, roll, pair[2], rate)
     return Lubrication(viscosity, *wall, *pair, separation, tangential)
 
 

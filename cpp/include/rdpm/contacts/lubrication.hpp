@@ -14,10 +14,11 @@ namespace rdpm::contacts {
 // where the solids carry the load: the overlap of a softened contact is no squeeze flow, and would lose all
 // of a rebound in it. `separation`: fraction of it where the surfaces part. A row of zeros is a pair without
 // lubrication. `slip` and `roll`: tangential resistance per ln(1/gap) [N s/m], each with its own two gaps;
-// they act in overlap as at least_gap, for the surfaces then still slide on what is between them.
+// they act in overlap as at least_gap, for the surfaces then still slide on what is between them, and slow
+// neither slip nor roll at more than largest_rate [1/s].
 struct LubricationRow {
     double inverse, log, least_gap, cutoff_gap, touching_gap, separation;
-    double slip, slip_cutoff_gap, slip_touching_gap, roll, roll_cutoff_gap, roll_touching_gap;
+    double slip, slip_cutoff_gap, slip_touching_gap, roll, roll_cutoff_gap, roll_touching_gap, largest_rate;
 
     // Resistance to slip and to roll [N s/m].
     double to_slip(double gap) const {
@@ -76,6 +77,7 @@ inline constexpr std::array lubrication_fields{RDPM_FIELD(LubricationRow, invers
                                                RDPM_FIELD(LubricationRow, slip_touching_gap),
                                                RDPM_FIELD(LubricationRow, roll),
                                                RDPM_FIELD(LubricationRow, roll_cutoff_gap),
-                                               RDPM_FIELD(LubricationRow, roll_touching_gap)};
+                                               RDPM_FIELD(LubricationRow, roll_touching_gap),
+                                               RDPM_FIELD(LubricationRow, largest_rate)};
 
 }  // namespace rdpm::contacts

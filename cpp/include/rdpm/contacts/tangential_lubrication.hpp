@@ -1,5 +1,5 @@
-// Tangential lubrication of one pair: its surfaces slip against each other, or roll through the gap side by
-// side. docs/theory/lubrication.md numbers the equations.
+// Tangential lubrication of one pair: its surfaces slip against each other, or roll through the gap together.
+// docs/theory/lubrication.md numbers the equations.
 #pragma once
 #include <utility>
 
@@ -8,7 +8,7 @@
 namespace rdpm::contacts {
 
 // A body or a wall of the pair; a wall has neither mass nor id.
-struct LubricatedSide {
+struct LubricatedPartner {
     std::int64_t id;
     double inverse_mass, inverse_moment, lever;
     const double *v, *w;
@@ -20,11 +20,15 @@ struct LubricatedSide {
 struct TangentialImpulses {
     double slip_slip, slip_roll, roll_roll;
 
-    TangentialImpulses(double to_slip, double to_roll, double share, const LubricatedSide& one,
-                       const LubricatedSide& other) {
+    // to_slip, to_roll: times h; `most`: largest rate times h.
+    TangentialImpulses(double to_slip, double to_roll, double most, double share,
+                       const LubricatedPartner& one, const LubricatedPartner& other) {
         const double mass = one.inverse_mass + other.inverse_mass, turn = one.turn() + other.turn();
         const double ss = mass + turn, rr = share * share * mass + turn,
-                     sr = share * mass + one.turn() - other.turn(), both = to_slip * to_roll;
+                     sr = share * mass + one.turn() - other.turn();
+        if (to_slip * ss > most) to_slip = most / ss;
+        if (to_roll * rr > most) to_roll = most / rr;
+        const double both = to_slip * to_roll;
         const double inverse = 1 / (1 + to_slip * ss + to_roll * rr + both * (ss * rr - sr * sr));
         slip_slip = (to_slip + both * rr) * inverse;
         slip_roll = -both * sr * inverse;
@@ -60,16 +64,17 @@ inline void cross(const double* a, const double* b, double* c) {
 }
 
 // Impulses against slip and roll, in every direction of the tangent plane.
-inline void tangential_impulses(double to_slip, double to_roll, const RollShares& shares,
-                                const LubricatedSide& one, const LubricatedSide& other, const double* slip,
-                                const double* roll, double* against_slip, double* against_roll) {
-    const TangentialImpulses around(to_slip, to_roll, shares.around, one, other);
+inline void tangential_impulses(double to_slip, double to_roll, double most, const RollShares& shares,
+                                const LubricatedPartner& one, const LubricatedPartner& other,
+                                const double* slip, const double* roll, double* against_slip,
+                                double* against_roll) {
+    const TangentialImpulses around(to_slip, to_roll, most, shares.around, one, other);
     for (int d = 0; d < 3; ++d) {
         against_slip[d] = around.slip_slip * slip[d] + around.slip_roll * roll[d];
         against_roll[d] = around.slip_roll * slip[d] + around.roll_roll * roll[d];
     }
     if (!shares.axis) return;
-    const TangentialImpulses along(to_slip, to_roll, shares.along, one, other);
+    const TangentialImpulses along(to_slip, to_roll, most, shares.along, one, other);
     const double s = dot(slip, shares.axis), r = dot(roll, shares.axis);
     const double cross_term = along.slip_roll - around.slip_roll;
     for (int d = 0; d < 3; ++d) {
@@ -86,17 +91,17 @@ void lubricate_tangentially(const BodyArrays& b, const Box& box, const Pair& p, 
                             const LubricationRow& row, double h, double* turned) {
     const double to_slip = h * row.to_slip(-g.overlap), to_roll = h * row.to_roll(-g.overlap);
     if (to_slip == 0 && to_roll == 0) return;
-    LubricatedSide sides[2] = {
+    LubricatedPartner partners[2] = {
         {p.i, p.inverse_mass_i, p.inverse_moment_i, g.lever_i, b.v + 3 * p.i, b.w + 3 * p.i},
         {p.j, p.inverse_mass_j, p.inverse_moment_j, g.lever_j, p.vj, p.wj}};
     RollShares shares(box, g, p.j);
     double n[3] = {g.n[0], g.n[1], g.n[2]};
     if (p.j >= 0 && points_up(n)) {
-        std::swap(sides[0], sides[1]);
+        std::swap(partners[0], partners[1]);
         shares.around = -shares.around;
         for (double& c : n) c = -c;
     }
-    const LubricatedSide &one = sides[0], &other = sides[1];
+    const LubricatedPartner &one = partners[0], &other = partners[1];
 
     double turn_one[3], turn_other[3], u[3], slip[3], roll[3];
     cross(one.w, n, turn_one);
@@ -110,7 +115,8 @@ void lubricate_tangentially(const BodyArrays& b, const Box& box, const Pair& p, 
         roll[d] += one.lever * turn_one[d] - other.lever * turn_other[d];
     }
     double against_slip[3], against_roll[3], push[3], both[3], difference[3], twist[2][3];
-    tangential_impulses(to_slip, to_roll, shares, one, other, slip, roll, against_slip, against_roll);
+    tangential_impulses(to_slip, to_roll, h * row.largest_rate, shares, one, other, slip, roll, against_slip,
+                        against_roll);
     shares.apply(against_roll, push);
     for (int d = 0; d < 3; ++d) {
         push[d] += against_slip[d];
@@ -119,12 +125,12 @@ void lubricate_tangentially(const BodyArrays& b, const Box& box, const Pair& p, 
     }
     cross(n, both, twist[0]);
     cross(n, difference, twist[1]);
-    for (int side = 0; side < 2; ++side) {
-        const LubricatedSide& s = sides[side];
+    for (int which = 0; which < 2; ++which) {
+        const LubricatedPartner& s = partners[which];
         if (s.id < 0) continue;
         for (int d = 0; d < 3; ++d) {
             const std::int64_t c = 3 * s.id + d;
-            const double force = side ? push[d] : -push[d], torque = -s.lever * twist[side][d];
+            const double force = which ? push[d] : -push[d], torque = -s.lever * twist[which][d];
             b.v[c] += force * s.inverse_mass;
             b.w[c] += torque * s.inverse_moment;
             b.impulse[c] += force;
