@@ -116,6 +116,18 @@ inline void apply(const BodyArrays& b, const Partners& p, const Geometry& g, con
     }
 }
 
+// Slip and roll of a pair, before what acts along its normal. Not inlined: a pair without lubrication is then
+// compiled to the same arithmetic as if there were none.
+[[gnu::noinline]] inline void lubricate_slip_and_roll(const SubstepTask& task, const std::int32_t* id,
+                                                      const LubricationRow& row) {
+    const BodyArrays& b = task.bodies;
+    const Partners p = partners_of(b, task.box, id[0], id[1]);
+    const double *xi = b.x + 3 * p.i, ai = b.radius[p.i];
+    const Geometry g = p.j < 0 ? wall_geometry(task.box, xi, ai, static_cast<int>(-1 - p.j))
+                               : sphere_geometry(task.box, xi, b.x + 3 * p.j, ai, b.radius[p.j]);
+    lubricate_tangentially(b, task.box, p, g, row, task.h, task.turned);
+}
+
 // The contact's record after this sub-step. u_start, u_end: rate of overlap at the sub-step's ends.
 inline void record(ContactState& s, const Window& w, double t, double h, double u_start, double u_end) {
     if (w.share() > 0) {
@@ -139,7 +151,6 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
         p.j < 0 ? wall_geometry(task.box, b.x + 3 * p.i, b.radius[p.i], static_cast<int>(-1 - p.j))
                 : sphere_geometry(task.box, b.x + 3 * p.i, b.x + 3 * p.j, b.radius[p.i], b.radius[p.j]);
     progress.min_gap = std::min(progress.min_gap, -g.overlap);
-    if (lubrication) lubricate_tangentially(b, task.box, p, g, *lubrication, h, task.turned);
     double u = 0, acceleration = 0;  // rotation has no part along the normal
     for (int d = 0; d < 3; ++d) {
         u += (b.v[3 * p.i + d] - p.vj[d]) * g.n[d];
@@ -237,6 +248,7 @@ void visit_band(const SubstepTask& task, const Band& band, std::int64_t substep,
         if constexpr (!std::is_empty_v<typename Law::History>) history = histories + row;
         const LubricationRow* lubrication = pairs.lubrication ? pairs.lubrication + row : nullptr;
         const Partners p = partners_of(task.bodies, task.box, id[0], id[1]);
+        if (lubrication) lubricate_slip_and_roll(task, id, *lubrication);
         if (visit_pair<Law>(task, p, laws[task.kinds[row]], lubrication, s, *history, t, mine)) {
             std::int64_t place;
 #pragma omp atomic capture
