@@ -20,7 +20,7 @@ CASE = {
     "bodies": [{"diameter": 1.0, "density": 0.5, "centers": [[2.06, 2.0, 0.5005]]}],
     "resolution": {"cells": [4 * CELLS] * 3},
     "time": {"end": 10.0, "step": STEP / CELLS**2, "diffusion": "stabilised"},
-    "contact": {"stiffness": 1.0, "restitution": 0.9, "lubrication_tangential": True},
+    "contact": {"stiffness": 1.0, "restitution": 0.9},
 }
 
 

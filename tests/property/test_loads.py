@@ -19,7 +19,7 @@ WET = {
             "angular_velocity": [[0.0, 20.0, 5.0], [0.0, 0.0, 0.0]],
         }
     ],
-    "contact": {"restitution": 0.7, "contact_steps": 20, "friction": 0.3, "lubrication_tangential": True},
+    "contact": {"restitution": 0.7, "contact_steps": 20, "friction": 0.3},
     "resolution": {"cells_per_diameter": 5},
     "time": {"end": 0.04, "step": 0.0005},
 }

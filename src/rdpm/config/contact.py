@@ -157,7 +157,7 @@ class Contact(Model):
     lubrication: Annotated[StrictBool, LeftOut("true with a fluid")] = True
     lubrication_roughness: Annotated[float, Quantity("", gt=0.0, le=0.1)] = 1e-3
     lubrication_in_separation: StrictBool = True
-    lubrication_tangential: StrictBool = False
+    lubrication_tangential: StrictBool = True
     overlap_warning: Annotated[float, Quantity("", gt=0.0, le=0.05)] = OVERLAP_WARNING
     overlap_limit: Annotated[float, Quantity("", gt=0.0, le=0.5)] = 0.2
     substeps: Annotated[int | None, Whole(1, 100_000), LeftOut("chosen from the contact time")] = None
