@@ -40,6 +40,13 @@ def mutations(session: nox.Session) -> None:
     session.run("python", "-m", "pytest", "tests/user_error/test_mutated_cases.py", env={"RDPM_MUTATIONS": "100000"})
 
 
+@nox.session(python=["3.11", "3.12", "3.13", "3.14"])
+def pythons(session: nox.Session) -> None:
+    """Run the quick tier under every Python that is found here."""
+    session.install(".[test]")
+    session.run("python", "-m", "pytest", "-n", "auto", *session.posargs)
+
+
 @nox.session
 def docs(session: nox.Session) -> None:
     """Build the documentation; a warning is an error."""

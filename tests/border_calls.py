@@ -286,6 +286,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "adaptive_kernel": lambda: Call(_core.adaptive_kernel, {}),
     "hertz_kernel": lambda: Call(_core.hertz_kernel, {}),
     "repulsive_kernel": lambda: Call(_core.repulsive_kernel, {}),
+    "extended_kernel": lambda: Call(_core.extended_kernel, {"is_hertz": True, "is_cohesive": False}),
     "run_substeps": substeps,
     "hard_sphere_layouts": lambda: Call(_core.hard_sphere_layouts, {}),
     "run_events": events,

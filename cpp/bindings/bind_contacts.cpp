@@ -12,6 +12,7 @@
 #include "contact_arguments.hpp"
 #include "rdpm/contacts/adaptive.hpp"
 #include "rdpm/contacts/events.hpp"
+#include "rdpm/contacts/extended.hpp"
 #include "rdpm/contacts/hertz.hpp"
 #include "rdpm/contacts/repulsive.hpp"
 #include "rdpm/contacts/separate.hpp"
@@ -60,6 +61,17 @@ constexpr contacts::Kernel soft_sphere = contacts::kernel_of<contacts::SoftSpher
 constexpr contacts::Kernel adaptive = contacts::kernel_of<contacts::AdaptiveCollisionTime>();
 constexpr contacts::Kernel hertz = contacts::kernel_of<contacts::Hertz>();
 constexpr contacts::Kernel repulsive = contacts::kernel_of<contacts::Repulsive>();
+using ResistingSoft = contacts::Resisting<contacts::SoftSphere>;
+using ResistingHertz = contacts::Resisting<contacts::Hertz>;
+constexpr contacts::Kernel resisting_soft = contacts::kernel_of<ResistingSoft>();
+constexpr contacts::Kernel resisting_hertz = contacts::kernel_of<ResistingHertz>();
+constexpr contacts::Kernel cohesive_soft = contacts::kernel_of<contacts::Cohesive<ResistingSoft>>();
+constexpr contacts::Kernel cohesive_hertz = contacts::kernel_of<contacts::Cohesive<ResistingHertz>>();
+
+const contacts::Kernel& extended_kernel(bool is_hertz, bool is_cohesive) {
+    if (is_hertz) return is_cohesive ? cohesive_hertz : resisting_hertz;
+    return is_cohesive ? cohesive_soft : resisting_soft;
+}
 
 const contacts::Kernel& kernel_at(std::uintptr_t address) {
     const auto& kernel = *reinterpret_cast<const contacts::Kernel*>(address);
@@ -227,6 +239,8 @@ void bind_contacts(nb::module_& module) {
     module.def("adaptive_kernel", [] { return &adaptive; }, nb::rv_policy::reference);
     module.def("hertz_kernel", [] { return &hertz; }, nb::rv_policy::reference);
     module.def("repulsive_kernel", [] { return &repulsive; }, nb::rv_policy::reference);
+    module.def("extended_kernel", &extended_kernel, nb::rv_policy::reference, nb::arg("is_hertz"),
+               nb::arg("is_cohesive"));
     module.def("contact_layouts", &contact_layouts);
     module.def("hard_sphere_layouts", &hard_sphere_layouts);
     module.def("run_events", &run_events, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),

@@ -225,6 +225,7 @@ nb::typed<nb::dict, nb::str, nb::object> build_info() {
 #else
     info["simd"] = "baseline";
 #endif
+    info["level"] = RDPM_LEVEL;
     info["openmp"] = _OPENMP;
     return nb::borrow<nb::typed<nb::dict, nb::str, nb::object>>(info);
 }

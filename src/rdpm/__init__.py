@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import importlib
+from pathlib import Path
 from typing import Any
 
+from rdpm.parallel.levels import kernel_folder
 from rdpm.parallel.threads import wait_passively
 
 wait_passively()   # before anything loads the kernels
+if (_kernels := kernel_folder(Path(__file__).parent)) is not None:
+    __path__.insert(0, str(_kernels))   # rdpm._core is the one in there
 
 __version__ = "0.1.0"
 __all__ = ["Simulation", "Study", "design", "load_case", "results", "run"]

@@ -95,6 +95,12 @@ class DivergenceError(GuardError):
     guard = "divergence"
 
 
+class RanksError(GuardError):
+    """Bodies are no longer the same on all ranks."""
+
+    guard = "ranks"
+
+
 class OverlapError(GuardError):
     """Two bodies, or a body and a wall, overlap more than ``contact.overlap_limit``."""
 

@@ -30,6 +30,13 @@ def advanced(case, ranks, steps: int = STEPS):
 CASES = {
     "through the seam, larger than a slab": dict(bodies=[BIG, SMALL, HELD], domain__boundary=PERIODIC),
     "moving wall, any step": dict(bodies=[BIG, SMALL], domain__wall_velocity=MOVING, time__step="adaptive"),
+    "within walls": dict(
+        bodies=[BIG, SMALL],
+        domain__boundary=PERIODIC,
+        walls=[
+            {"shape": "cylinder", "point": [0.03, 0.03, 0.0], "axis": [0.0, 0.0, 1.0], "diameter": 0.054},
+        ],
+    ),
     "by stages": dict(bodies=[BIG, SMALL], domain__boundary=PERIODIC, time__diffusion="stabilised"),
 }
 
@@ -100,7 +107,27 @@ def test_planes_are_cut_by_the_cost_of_cells_and_markers() -> None:
     assert loads.max() < 1.2 * loads.mean()
 
 
-@pytest.mark.parametrize(("key", "value"), [("output__points", [[0.03, 0.03, 0.03]]), ("output__vorticity", True)])
-def test_what_one_process_alone_can_do_is_refused(key: str, value: object) -> None:
-    with pytest.raises(CaseError, match=r"on 2 MPI ranks: needs one process \(a rank has a slab"):
-        on_ranks(2, lambda ranks: rdpm.Simulation(rdpm.load_case(oil_case(**{key: value})), threads=1, ranks=ranks))
+def test_a_sphere_in_a_stream_across_slabs() -> None:
+    case = rdpm.load_case("stream", {"resolution.cells_per_diameter": 4})
+    one = advanced(case, ALONE)
+    expected = one.system.immersed.hydrodynamic_force
+    for sim in on_ranks(2, lambda ranks: advanced(case, ranks)):
+        assert len(sim.system.immersed.here) == 1
+        force = sim.system.immersed.hydrodynamic_force
+        np.testing.assert_allclose(force, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max())
+        np.testing.assert_allclose(sim.fluid.u[1:-1], one.fluid.u[sim.fluid.grid.slab.take][1:-1], atol=1e-12)
+
+
+def test_flow_past_walls_alone_and_the_force_of_a_ramp() -> None:
+    """No bodies; a plane that slides and crosses all slabs."""
+    ramp = {"shape": "plane", "point": [0.03, 0.03, 0.02], "normal": [-0.5, 0.0, 1.0], "velocity": [0.05, 0.02, 0.025]}
+    case = rdpm.load_case(
+        oil_case(bodies=[], contact=None, walls=[ramp], resolution={"cells": [24, 24, 36]}, time__step=1e-3)
+    )
+    one = advanced(case, ALONE, 10)
+    for count in (2, 3):
+        for sim in on_ranks(count, lambda ranks: advanced(case, ranks, 10)):
+            take, w = sim.fluid.grid.slab.take, one.fluid.w
+            np.testing.assert_allclose(sim.fluid.w[1:-1], w[take][1:-1], rtol=0.0, atol=1e-11 * np.abs(w).max())
+            force = one.system.force_on_fluid
+            np.testing.assert_allclose(sim.system.force_on_fluid, force, rtol=1e-10)

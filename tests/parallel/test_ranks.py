@@ -2,21 +2,28 @@
 
 import os
 import pickle
+import re
+import shlex
+import sys
 
 import numpy as np
 import pytest
 
 import rdpm
 from builders import in_oil, oil_case
-from rdpm.errors import CaseError, OutputError, OverlapError
+from rdpm.cli.main import main
+from rdpm.errors import CaseError, OutputError, OverlapError, RanksError
 from rdpm.io.tables import read_table
 from rdpm.parallel.agreement import OnRoot, agree, guarding, on_root, together
 from rdpm.parallel.gather import Planes, rows_on_root, with_planes
-from rdpm.parallel.launcher import launched, launched_rank, single
+from rdpm.parallel.launcher import launched, launched_here, launched_rank, single
 from rdpm.parallel.ranks import world
 from rdpm.parallel.threads import available_threads, processors
 from rdpm.runs.runner import run_case
 from rdpm.runs.stopping import Interrupted, StopRequest
+from rdpm.setup import plan
+from rdpm.setup.rank_plan import plan_ranks
+from rdpm.simulation import time_loop
 from thread_ranks import on_ranks
 
 
@@ -196,3 +203,59 @@ def test_the_guard_of_one_slab_is_raised_by_all() -> None:
     first, second = on_ranks(2, spoil)
     assert first == second
     assert "nan guard, step 1" in first[1]
+
+
+def test_bodies_that_differ_between_ranks_stop_the_run(monkeypatch) -> None:
+    monkeypatch.setattr(time_loop, "DIVERGENCE_EVERY", 2)
+
+    def drift(ranks):
+        sim = in_oil(ranks=ranks, resolution__cells_per_diameter=4)
+        sim.advance()
+        sim.advance()  # the same, and compared
+        if ranks.rank == 1:
+            sim.bodies.position[0, 0] *= 1.0 + 1e-15
+        sim.advance()
+        return caught(sim.advance)
+
+    first, second = on_ranks(2, drift)
+    assert first == second
+    kind, said, is_agreed = first
+    assert (kind, is_agreed) == (RanksError, True)
+    assert "ranks guard, step 4" in said
+    assert "ranks 1: must have the same bodies as rank 0" in said
+
+
+def test_a_machine_must_hold_the_memory_of_its_own_ranks(monkeypatch) -> None:
+    case = rdpm.load_case(oil_case(resolution__cells_per_diameter=32))
+    monkeypatch.setattr(sys.modules["rdpm.setup.plan"], "available_memory", lambda: 200_000_000)
+    with pytest.raises(CaseError, match="cells need"):
+        plan(case)
+    assert plan(case, machines=4).cells == (128, 128, 192)
+    monkeypatch.setenv("SLURM_STEP_NUM_TASKS", "8")
+    monkeypatch.setenv("SLURM_STEP_TASKS_PER_NODE", "2(x4)")
+    assert (launched()[0], launched_here()) == (8, 2)
+    assert plan(case).cells == (128, 128, 192)
+    monkeypatch.delenv("SLURM_STEP_TASKS_PER_NODE")
+    with pytest.raises(CaseError, match="cells need"):
+        plan(case)
+
+
+def test_a_job_of_slurm_starts_and_continues_a_run(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", "cloud", "--set", "time.end=2", "--out", "big cloud", "--slurm", "4", "--threads", "8"]) == 0
+    assert capsys.readouterr().out == "sbatch big cloud.sbatch\n"
+    text = (tmp_path / "big cloud.sbatch").read_text()
+    lines = text.splitlines()
+    assert "#SBATCH --ntasks=4" in lines
+    assert "#SBATCH --cpus-per-task=8" in lines
+    words = shlex.split(next(line for line in lines if line.startswith("srun")))
+    assert words[words.index("run") :][:5] == ["run", "cloud", "--set", "time.end=2", "--out"]
+    assert "--resume" in words
+    memory = int(re.search(r"--mem-per-cpu=(\d+)M", text).group(1))
+    told = plan_ranks(plan(rdpm.load_case("cloud")), 4, 8)
+    assert 8e6 * memory > 1.4 * told.shares[0].memory
+    assert main(["run", "cloud", "--slurm", "99"]) == 2
+    assert "99 MPI ranks" in capsys.readouterr().err
+    assert main(["run", "cloud", "--slurm", "2", "--resume"]) == 2
+    assert "--slurm = 2: goes with neither" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["big cloud.sbatch"]

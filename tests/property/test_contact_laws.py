@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from contact_laws.constant_force import ConstantForce
-from rdpm.contacts import AdaptiveCollisionTime, Contacts, HardSphere, Hertz, Repulsive, SoftSphere
+from rdpm.contacts import AdaptiveCollisionTime, Contacts, ExtendedContact, HardSphere, Hertz, Repulsive, SoftSphere
 from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
@@ -22,6 +22,12 @@ LAWS = {
     "adaptive collision time": (AdaptiveCollisionTime(0.6, 1e-3, 1e-4, friction=0.3), 0.6),
     "repulsive": (Repulsive(stiffness=10.0, range=1e-5), 1.0),  # the surfaces stay apart
     "hard sphere": (HardSphere(0.6, friction=0.3, tangential_restitution=0.4), 0.6),
+    "soft sphere, rolling and twisting friction": (
+        ExtendedContact(SoftSphere.from_contact_time(0.6, 1e-3, friction=0.3), 0.1, 0.1), 0.6,
+    ),
+    "hertz, rolling and twisting friction": (
+        ExtendedContact(Hertz(1e7, 0.3, 0.6, 0.15, friction=0.3), 0.1, 0.1), 0.6,
+    ),
     "constant force": (ConstantForce(acceleration=200.0, speed=0.1), 1.0),
 }
 APART = {"repulsive"}  # laws that act before the surfaces touch: no contact to record

@@ -5,7 +5,8 @@ import json
 import pytest
 
 from rdpm.cli.main import main
-from rdpm.studies import bench, dry_bed
+from rdpm.studies import bench, bench_ranks, dry_bed
+from thread_ranks import on_ranks
 
 
 @pytest.fixture
@@ -14,7 +15,7 @@ def small_case(monkeypatch: pytest.MonkeyPatch) -> str:
         return {
             "domain": {"size": [0.04, 0.04, 0.05]},
             "fluid": {"density": 962.0, "viscosity": 0.113},
-            "bodies": [{"diameter": 0.015, "density": 1120.0, "centers": [[0.02, 0.02, 0.03]]}],
+            "bodies": [{"diameter": 0.015, "density": 1120.0, "centers": [[0.02, 0.02, 0.032]]}],
             "resolution": {"cells_per_diameter": 6},
             "time": {"end": 1.0},
         }
@@ -73,3 +74,39 @@ def test_without_lammps_the_bed_is_timed_alone_and_says_so(monkeypatch) -> None:
     assert not bed["lammps"]
     assert {row["program"] for row in bed["rows"]} == {"rdpm"}
     assert any("LAMMPS is not installed" in line for line in told)
+
+
+def test_ranks_are_timed_beside_one_in_turns(monkeypatch, capsys) -> None:
+    """What is timed runs in processes of its own; here they are made up."""
+    asked: list[tuple[int, int]] = []
+
+    def measured(name: str, launcher: list[str], threads: int) -> dict:
+        ranks = 2 if launcher else 1
+        asked.append((ranks, threads))
+        speed = 9.0 if launcher else 10.0
+        case = {"name": name, "ranks": ranks, "threads": threads, "ns_per_cell_step": speed}
+        sent = {"message_ns_per_cell_step": 1.8, "messages": 14, "sent_bytes": 250_000, "sent_as_told": True}
+        return case | (sent if launcher else {})
+
+    monkeypatch.setattr(bench_ranks, "_measured", measured)
+    monkeypatch.setattr(bench_ranks, "find_mpiexec", lambda: "mpiexec")
+    monkeypatch.setattr(bench_ranks, "processors", lambda: 8)
+    assert main(["bench", "ranks", "cube-64"]) == 0
+    assert asked == [(1, 8), (2, 4)] * 3
+    head, one, two = capsys.readouterr().out.splitlines()[-3:]
+    assert "in messages" in head
+    assert one.split() == ["cube-64", "1", "x", "8", "10.0"]
+    assert two.split("x 4")[1].split() == ["9.0", "14", "0.25", "MB", "20.0", "%", "1.11", "of", "one", "rank's"]
+
+
+def test_without_a_launcher_ranks_are_not_timed(monkeypatch, capsys) -> None:
+    monkeypatch.setattr(bench_ranks, "find_mpiexec", lambda: None)
+    assert main(["bench", "ranks"]) == 2
+    assert "needs mpiexec" in capsys.readouterr().err
+
+
+def test_a_step_on_ranks_sends_what_check_tells(small_case) -> None:
+    first, _ = on_ranks(2, lambda ranks: bench.measure(small_case, 1e10, ranks))
+    assert (first["ranks"], first["sent_as_told"]) == (2, True)
+    assert first["messages"] > 0
+    assert 0.0 <= first["message_ns_per_cell_step"] < first["ns_per_cell_step"]

@@ -338,6 +338,14 @@ def test_what_all_runs_share_is_read_from_their_cases(tmp_path):
     assert found.verdict == "not judged"
 
 
+def test_what_another_part_varies_is_read_from_the_cases_of_this_one(tmp_path):
+    """The table of a study of several parts has a column for each key that any of them varies: NaN in the others."""
+    study = study_of(tmp_path)
+    for row in study.rows:
+        row |= {"contact.damping": math.nan, "contact.lubrication": math.nan, "fluid.viscosity": None}
+    assert judge_study(CLAIMS["kissing-grows-with-stiffness"], study).verdict == "confirmed"
+
+
 def test_resolutions_are_not_mixed(tmp_path):
     study = study_of(tmp_path)
     fine = [row | {"run": f"fine-{row['run']}", "contact_kisses": 1} for row in study.rows[:2]]

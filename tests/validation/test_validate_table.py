@@ -37,7 +37,8 @@ def test_published_points_say_where_they_come_from():
     for table in tables:
         first = table.read_text("utf-8").splitlines()[0]
         assert first.startswith("# "), table.name
-        assert any(year in first + table.name for year in ("2002", "2000", "1999", "1964", "1961")), table.name
+        years = ("2012", "2011", "2002", "2000", "1999", "1964", "1961")
+        assert any(year in first + table.name for year in years), table.name
 
 
 def test_a_level_that_is_not_crossed_gives_nan():
@@ -108,6 +109,19 @@ def test_the_command_ends_with_1_where_a_case_is_outside(monkeypatch, capsys):
     monkeypatch.setitem(CASES, "time-order", (lambda quick, tell: iter([Row("drag", 2.0, 1.0, 0.1)]), True))
     assert main(["validate", "time-order"]) == 1
     assert "0 of 1 within" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("case", "charts"),
+    [("bouncing-sphere", 0), ("stacked-spheres", 1), ("sliding-ball", 0), ("normal-impact", 1), ("oblique-impact", 3),
+     ("glass-spheres", 1)],
+)  # fmt: skip
+def test_dry_cases_are_within_their_bands(case, charts):
+    found = list(validate([case]))
+    rows = [item for item in found if isinstance(item, dict)]
+    assert len(found) - len(rows) == charts
+    assert {row["ok"] for row in rows} <= {True, None}, [row for row in rows if row["ok"] is False]
+    assert any(row["ok"] for row in rows)
 
 
 def test_an_unknown_case_is_refused_by_name(capsys):

@@ -18,27 +18,50 @@ def bench(*names: str, json: Annotated[bool, Parameter(negative="")] = False) ->
     ----------
     names : str
         Cases to measure; those of the coupled step when left out. ``dry-bed``: 64,000 spheres, beside LAMMPS where it
-        is installed; ``dry-bed-million``: a million.
+        is installed; ``dry-bed-million``: a million. ``ranks`` before them: on two MPI ranks, and on one with all
+        threads, in turns. Under ``mpiexec`` the ranks share each case.
     json : bool
         Print JSON.
     """
-    from rdpm.parallel.launcher import single
-
-    single("rdpm bench")
     from rdpm.cli.progress import say
+    from rdpm.parallel.agreement import guarding
+    from rdpm.parallel.launcher import single
+    from rdpm.parallel.ranks import world
     from rdpm.studies.bench import CASES
     from rdpm.studies.bench import bench as run
     from rdpm.studies.dry_bed import BEDS
 
+    is_of_ranks, names = names[:1] == ("ranks",), names[1:] if names[:1] == ("ranks",) else names
     for name in names:
-        if name not in CASES and name not in BEDS:
-            raise CaseError("bench", name, f"must be one of {', '.join([*CASES, *BEDS])}")
-    found = run(names, say)
-    if json:
+        if name not in CASES and (name not in BEDS or is_of_ranks):
+            known = [*CASES] if is_of_ranks else [*CASES, *BEDS, "ranks"]
+            raise CaseError("bench", name, f"must be one of {', '.join(known)}")
+    if is_of_ranks or any(name in BEDS for name in names):
+        single("rdpm bench " + ("ranks" if is_of_ranks else "dry-bed"))
+    if is_of_ranks:
+        from rdpm.studies.bench_ranks import bench_ranks
+
+        _show({"ranks": bench_ranks(names, say)}, json)
+        return
+    ranks = world()
+    with guarding(ranks):
+        found = run(names, say if ranks.rank == 0 else None, ranks)
+    if ranks.rank == 0:
+        _show(found, json)
+
+
+def _show(found: dict[str, Any], is_json: bool) -> None:
+    if is_json:
         import json as writer
 
         print(writer.dumps(found, indent=2))
-        return
+    elif "cases" not in found:
+        _print_ranks(found["ranks"])
+    else:
+        _print_all(found)
+
+
+def _print_all(found: dict[str, Any]) -> None:
     print(
         f"triad {found['triad_GB_s']:.1f} GB/s on {found['threads']} threads, "
         f"{found['triad_one_thread_GB_s']:.1f} GB/s on one"
@@ -47,6 +70,21 @@ def bench(*names: str, json: Annotated[bool, Parameter(negative="")] = False) ->
         _print_cases(found["cases"])
     for bed in found["beds"]:
         _print_bed(bed)
+
+
+def _print_ranks(cases: list[dict[str, Any]]) -> None:
+    print(f"{'case':20} {'ranks x threads':>15} {'ns/cell':>8} {'messages':>9} {'sent':>9} {'in messages':>11}  speed")
+    for case in cases:
+        one, ranks = case["one"], case["ranks"]
+        way = f"{one['ranks']} x {one['threads']}"
+        print(f"{case['name']:20} {way:>15} {one['ns_per_cell_step']:>8.1f}")
+        way = f"{ranks['ranks']} x {ranks['threads']}"
+        share = ranks["message_ns_per_cell_step"] / ranks["ns_per_cell_step"]
+        print(
+            f"{'':20} {way:>15} {ranks['ns_per_cell_step']:>8.1f} {ranks['messages']:>9} "
+            f"{1e-6 * ranks['sent_bytes']:>6.2f} MB {100.0 * share:>9.1f} %  {case['speed']:.2f} of one rank's"
+            + ("" if ranks["sent_as_told"] else "; sent is not what rdpm check --ranks tells")
+        )
 
 
 def _print_bed(bed: dict[str, Any]) -> None:

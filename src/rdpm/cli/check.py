@@ -12,6 +12,9 @@ from rdpm.cli.source import case_source
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from rdpm.setup.plan import Plan
+    from rdpm.setup.rank_plan import RanksPlan
+
 __all__ = ["check", "show_plan"]
 
 _COLOURS = {"ok": "green", "warning": "yellow"}
@@ -22,6 +25,8 @@ def check(
     /,
     *,
     set_: Annotated[tuple[str, ...], Parameter(name="--set", negative="", show_default=False)] = (),
+    ranks: Annotated[int, Parameter(show_default=False)] = 0,
+    threads: Annotated[int, Parameter(show_default=False)] = 1,
     json: Annotated[bool, Parameter(negative="", show_default=False)] = False,
 ) -> None:
     """Show what a case implies: grid, numbers, time step, contacts, memory, time; with verdicts.
@@ -33,6 +38,10 @@ def check(
         case NAME.
     set_ : tuple of str
         key=value, instead of what the case says; may be repeated.
+    ranks : int
+        What it implies on so many MPI ranks: planes, memory and messages of each, and how well they work together.
+    threads : int
+        Of each rank, for the estimate of their time.
     json : bool
         Write JSON for machines.
 
@@ -49,15 +58,30 @@ def check(
     loaded = load_case(source, set_)
     from rdpm.setup import plan  # a case that is wrong is told before the solver is loaded
 
-    planned = plan(loaded)
+    planned, of_ranks = plan(loaded, machines=ranks or None), None
+    if ranks:
+        of_ranks = _on_ranks(planned, ranks, threads)
     if json:
         import json as encoder
 
-        print(encoder.dumps(planned.to_dict(), indent=2))
+        added = {"on_ranks": of_ranks.to_dict()} if of_ranks else {}
+        print(encoder.dumps(planned.to_dict() | added, indent=2))
         return
     from rich.console import Console
 
+    if of_ranks:
+        planned.sections.append((f"{ranks} MPI ranks", of_ranks.rows()))
     show_plan(planned, Console(highlight=False, markup=False))
+
+
+def _on_ranks(planned: Plan, ranks: int, threads: int) -> RanksPlan:
+    """What it implies on several ranks, with the speed of this machine."""
+    from rdpm.parallel.threads import processors
+    from rdpm.setup.cell_speed import measured_ns
+    from rdpm.setup.rank_plan import plan_ranks
+
+    plan_ranks(planned, ranks, threads)  # refuses what cannot run
+    return plan_ranks(planned, ranks, threads, measured_ns(planned, min(processors(), ranks * threads)))
 
 
 def show_plan(plan: Any, console: Console) -> None:

@@ -7,6 +7,7 @@ import importlib.util
 import os
 import platform
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 from rdpm.parallel.launcher import launched_rank
 
@@ -62,8 +63,11 @@ def _kernels() -> dict[str, str]:
         core = importlib.import_module("rdpm._core")
     except ImportError as error:
         return {"kernels": f"cannot be loaded: {error}"}
-    build = core.build_info() if hasattr(core, "build_info") else {}
-    return {str(name): str(value) for name, value in build.items()} or {"kernels": "compiled"}
+    build = {name: str(value) for name, value in core.build_info().items()}
+    others = Path(str(core.__file__)).parent.parent
+    built = sorted(folder.name for folder in others.iterdir()) if others.name == "levels" else []
+    level = build.pop("level") + (f", chosen of {', '.join(built)}" if built else "")
+    return {**build, "simd": f"{build['simd']} (built for {level})"}
 
 
 def _threads() -> str:

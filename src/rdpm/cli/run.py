@@ -37,6 +37,7 @@ def run(
     from_: Annotated[Path | None, Parameter(name="--from")] = None,
     at: str | None = None,
     within: str | None = None,
+    slurm: Annotated[int | None, Parameter(show_default=False)] = None,
     quiet: Annotated[bool, Parameter(negative="", show_default=False)] = False,
 ) -> int:
     """Run a case, and make its tables, fields, figures, video and report.
@@ -62,6 +63,9 @@ def run(
         With --from: the checkpoint of this time, such as 1.5 or "1500 ms"; the newest that is not after it.
     within : str, optional
         With --at: how long before that time the checkpoint may be, such as "0.1 s"; 1 % of the time when left out.
+    slurm : int, optional
+        Run nothing: write OUT.sbatch, a job of SLURM on so many MPI ranks with --threads each; submitted again it goes
+        on.
     quiet : bool
         Say nothing but errors.
 
@@ -75,6 +79,8 @@ def run(
     from rdpm.parallel.agreement import guarding, on_root
     from rdpm.parallel.ranks import world
 
+    if slurm is not None:
+        return _write_slurm(case, out, set_, threads or 1, slurm, resume or from_ is not None or at is not None)
     ranks = world()
     with guarding(ranks):
         _keep_streams()
@@ -83,6 +89,29 @@ def run(
             ranks, lambda: _prepared(case, out, set_, threads, resume, from_, at, within, quiet)
         )
         return _run(loaded, folder, quiet, ranks, how)
+
+
+def _write_slurm(case: str, out: Path | None, changes: tuple[str, ...], threads: int, ranks: int, goes_on: bool) -> int:
+    """Write the job that runs a case."""
+    from rdpm.config.load import case_name, load_case
+    from rdpm.io.files import replacing
+    from rdpm.setup import plan
+    from rdpm.setup.slurm_script import slurm_script
+
+    if ranks < 1:
+        raise CaseError("--slurm", ranks, "must be at least 1", "a run has one rank at least")
+    if goes_on:
+        raise CaseError("--slurm", ranks, "goes with neither --resume, --from nor --at", "its job continues by itself")
+    source, run_folder, _ = case_source(case)
+    folder = out or Path(run_folder.name if run_folder else case_name(case))
+    sets = [word for change in changes for word in ("--set", change)]
+    made = plan(load_case(source, changes), machines=ranks)
+    text = slurm_script(made, folder.name, [case, *sets, "--out", str(folder)], ranks, threads)
+    path = folder.with_name(f"{folder.name}.sbatch")
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    print(f"sbatch {path}")
+    return 0
 
 
 def _run(case: Case, folder: Path, quiet: bool, ranks: Ranks, how: dict[str, Any]) -> int:

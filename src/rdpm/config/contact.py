@@ -40,6 +40,10 @@ _MODELS_OF: dict[str, tuple[Name, ...]] = {
     "poisson_ratio": ("soft-sphere", "hertz"),
     "youngs_modulus": ("hertz",),
     "adaptive_collision_time": ("soft-sphere",),
+    "rolling_friction": ("soft-sphere", "hertz"),
+    "twisting_friction": ("soft-sphere", "hertz"),
+    "cohesion": ("soft-sphere", "hertz"),
+    "cohesion_range": ("soft-sphere", "hertz"),
     "substeps": ("soft-sphere", "hertz", "repulsive"),
     "tangential_restitution": ("hard-sphere",),
     "rest_speed": ("hard-sphere",),
@@ -105,6 +109,14 @@ class Contact(Model):
         `youngs_modulus`.
     youngs_modulus
         Of bodies and walls; Hertz contacts with a softer one last longer and take longer time steps.
+    rolling_friction
+        Largest torque against rolling over normal force times reduced radius.
+    twisting_friction
+        Largest torque against twisting, about the normal, over normal force times reduced radius.
+    cohesion
+        Work of adhesion of two surfaces w; they attract each other with 3/2 pi w times the reduced radius.
+    cohesion_range
+        Gap below which they do; with `cohesion`.
     repulsion_range
         Gap below which the repulsive force acts.
     repulsion_stiffness
@@ -145,11 +157,15 @@ class Contact(Model):
     adaptive_collision_time: StrictBool = False
     ending: Annotated[Ending, Choice(get_args(Ending))] = "zero-force"
     friction: Annotated[float, Quantity("", ge=0.0)] = 0.0
-    tangential_ratio: Annotated[
-        float | None, Quantity("", gt=0.0, le=1.0), LeftOut("2/7 without `poisson_ratio`")
-    ] = None
+    tangential_ratio: Annotated[float | None, Quantity("", gt=0.0, le=1.0), LeftOut("2/7 without `poisson_ratio`")] = (
+        None
+    )
     poisson_ratio: Annotated[float | None, Quantity("", ge=0.0, le=0.5)] = None
     youngs_modulus: Annotated[float | None, Quantity("Pa", gt=0.0)] = None
+    rolling_friction: Annotated[float, Quantity("", ge=0.0, le=1.0)] = 0.0
+    twisting_friction: Annotated[float, Quantity("", ge=0.0, le=1.0)] = 0.0
+    cohesion: Annotated[float, Quantity("J/m^2", ge=0.0)] = 0.0
+    cohesion_range: Annotated[float | None, Quantity("m", gt=0.0)] = None
     repulsion_range: Annotated[
         float | None, Quantity("m", gt=0.0), LeftOut("two cells of the grid; needed in a dry case")
     ] = None
@@ -199,13 +215,30 @@ class Contact(Model):
         for key, reason, example in _NEEDED.get(self.model, ()):
             if getattr(self, key) is None:
                 raise RuleError(f'is missing for model = "{self.model}"', reason, f"Give it, {example}.", at=(key,))
+        self._is_extended_well()
         return self._one_way() if self.model == "soft-sphere" else self
+
+    @property
+    def is_extended(self) -> bool:
+        """Whether rolling friction, twisting friction or cohesion is added to the model."""
+        return self.rolling_friction > 0.0 or self.twisting_friction > 0.0 or self.cohesion > 0.0
+
+    def _is_extended_well(self) -> None:
+        if self.cohesion > 0.0 and self.cohesion_range is None:
+            raise RuleError("is missing with cohesion", "the energy that parts two surfaces is force times range",
+                            'Give it, such as "1 um".', at=("cohesion_range",))  # fmt: skip
+        if self.cohesion == 0.0 and self.cohesion_range is not None:
+            raise RuleError("is meant for cohesion", "no cohesion is given", "Give cohesion, or leave it out.",
+                            value=self.cohesion_range, at=("cohesion_range",))  # fmt: skip
+        if self.is_extended and self.adaptive_collision_time:
+            raise RuleError("must be false with rolling_friction, twisting_friction or cohesion",
+                            "they are added to the linear spring or to a Hertz contact",
+                            "Leave it out, or leave them out.", value=True,
+                            at=("adaptive_collision_time",))  # fmt: skip
 
     def _one_way(self) -> Contact:
         if self.tangential_ratio is not None and self.poisson_ratio is not None:
-            raise RuleError(
-                'must have at most one of "tangential_ratio" and "poisson_ratio"', "both are given"
-            )
+            raise RuleError('must have at most one of "tangential_ratio" and "poisson_ratio"', "both are given")
         given = [name for name in _PARAMETERS if getattr(self, name) is not None]
         if frozenset(given) not in _WAYS:
             found = f"given are {listed(given)}" if given else "none is given"

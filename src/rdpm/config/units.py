@@ -36,6 +36,7 @@ QUANTITIES = {
     "Pa": ("a pressure", "1 MPa"),
     "N": ("a force", "1 mN"),
     "N/m": ("a stiffness", "100 N/m"),
+    "J/m^2": ("a surface energy", "50 mJ/m^2"),
     "N s/m": ("a damping coefficient", "0.1 N s/m"),
     "": ("a plain number", "0.5"),
 }

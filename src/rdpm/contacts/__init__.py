@@ -8,6 +8,7 @@ from rdpm.contacts.adaptive import AdaptiveCollisionTime
 from rdpm.contacts.contacts import Contacts
 from rdpm.contacts.driver import ContactStep
 from rdpm.contacts.episodes import EPISODE
+from rdpm.contacts.extended import ExtendedContact
 from rdpm.contacts.hard_sphere import EventDriver, HardSphere
 from rdpm.contacts.hertz import Hertz
 from rdpm.contacts.law import ContactLaw
@@ -28,6 +29,7 @@ __all__ = [
     "ContactStep",
     "Contacts",
     "EventDriver",
+    "ExtendedContact",
     "HardSphere",
     "Hertz",
     "Lubrication",

@@ -8,6 +8,7 @@ from __future__ import annotations
 from rdpm.design import front_door
 from rdpm.design.adaptive import adaptive_collision, adaptive_overlap, adaptive_stiffness
 from rdpm.design.adaptive_design import AdaptiveDesign, adaptive_design
+from rdpm.design.cohesion import pull_off_force, sticking_speed
 from rdpm.design.dimensionless import (
     added_mass,
     legendre,
@@ -113,6 +114,7 @@ __all__ = [
     "legendre",
     "peak_overlap",
     "produced_restitution",
+    "pull_off_force",
     "ratio_from_poisson",
     "rayleigh_time",
     "reduced_mass",
@@ -127,6 +129,7 @@ __all__ = [
     "softest_stiffness",
     "sphere_mass",
     "static_overlap",
+    "sticking_speed",
     "stiffness_from_overlap",
     "stokes_number",
     "submerged_weight",

@@ -249,6 +249,7 @@ def _origin_rows(run: Run) -> list[tuple[str, str]]:
         ("numpy", s.numpy),
         ("platform", s.platform),
         ("cpu", s.cpu),
+        ("simd", s.simd),
         ("ranks", s.ranks),
         ("date utc", s.date_utc),
     )

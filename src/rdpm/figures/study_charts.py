@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["Bars", "Curve", "PairPath", "Panel", "bar_chart", "chart", "colours", "path_chart", "shrink"]
 
 Floats = NDArray[np.float64]
+MOST_INSIDE = 8   # names in a legend that still leave room for the curves
 _FEW = 4   # values up to which colours need no order
 
 
@@ -173,7 +175,10 @@ def chart(
             stack[-1].set_xticks(values, _tick_labels(values))
             stack[-1].minorticks_off()
         for axes in stack:
-            if axes.get_legend_handles_labels()[1]:
+            names = axes.get_legend_handles_labels()[1]
+            if len(names) > MOST_INSIDE:
+                axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+            elif names:
                 axes.legend(loc="best" if len(panels) > 1 else "upper left", bbox_to_anchor=None if len(panels) > 1
                             else (1.0, 1.0))  # fmt: skip
         figure.align_ylabels()
@@ -247,7 +252,8 @@ def path_chart(
                         tuple(factor * centre[n]), 0.5 * factor * diameter, facecolor=color, alpha=0.45, edgecolor=color
                     ))  # fmt: skip
             axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-            axes.set_title(pair.label, fontsize=8.5)
+            label = pair.label if "$" in pair.label else "\n".join(wrap(pair.label, max(8, 60 // len(pairs))))
+            axes.set_title(label, fontsize=8.5)
             axes.set_xlabel(f"{axes_names[0]} [{unit}]")
         row[0].set_ylabel(f"{axes_names[1]} [{unit}]")
         figure.suptitle(title, x=0.01, ha="left", fontsize=9.5)

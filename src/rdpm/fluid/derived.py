@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rdpm.fluid.state import Fluid
+from rdpm.grid import Grid
 
 __all__ = ["vorticity_and_q"]
 
@@ -30,6 +31,7 @@ def vorticity_and_q(fluid: Fluid) -> tuple[NDArray[np.float32], NDArray[np.float
     Returns
     -------
     vorticity : ndarray, (nz, ny, nx, 3), [1/s]
+        Of this rank's slab alone, where several share the box; so is q.
     q : ndarray, (nz, ny, nx), [1/s^2]
 
     References
@@ -47,7 +49,7 @@ def vorticity_and_q(fluid: Fluid) -> tuple[NDArray[np.float32], NDArray[np.float
     >>> np.unique(vorticity[..., 1].round(6)).tolist(), float(abs(q).max())
     ([2.0], 0.0)
     """
-    nx, ny, nz = fluid.grid.cells
+    nx, ny, nz = fluid.grid.cells_here
     vorticity, q = np.empty((nz, ny, nx, 3), np.float32), np.empty((nz, ny, nx), np.float32)
     for first in range(1, nz + 1, SLAB):
         last = min(first + SLAB, nz + 1)
@@ -81,11 +83,17 @@ def _derivative(fluid: Fluid, component: int, axis: int, first: int, last: int) 
         at = centred(0)
         ends = ((0, above, below, 1.0), (-1, below, above, -1.0))
         for end, inside, halo, sign in ends:
-            if along == 0 and (first, last)[end] != (1, grid.cells[2] + 1)[end]:
+            if along == 0 and not _is_at_wall(grid, (first, last)[end], end):
                 continue
             place = tuple(slice(None) if n != along else end for n in range(3))
             result[place] = sign * (at[place] + inside[place] - 2.0 * halo[place]) / (3.0 * h)
     return result
+
+
+def _is_at_wall(grid: Grid, plane: int, end: int) -> bool:
+    """Whether the planes from this one on, or up to it, begin or end at a face of the box."""
+    adjoins = grid.slab is not None and (grid.slab.lower, grid.slab.upper)[end] is not None
+    return not adjoins and plane == (1, grid.cells_here[2] + 1)[end]
 
 
 def _moved(part: slice, shift: int) -> slice:

@@ -25,7 +25,7 @@ class FlowMeans:
     Parameters
     ----------
     cells : tuple of int, (3,)
-        nx, ny, nz.
+        nx, ny, nz; of this rank's slab, where several share the box.
 
     Attributes
     ----------
@@ -57,8 +57,8 @@ class FlowMeans:
             return
         self.span += weight
         share = weight / self.span
-        for first in range(1, fluid.grid.cells[2] + 1, SLAB):
-            last = min(first + SLAB, fluid.grid.cells[2] + 1)
+        for first in range(1, fluid.grid.cells_here[2] + 1, SLAB):
+            last = min(first + SLAB, fluid.grid.cells_here[2] + 1)
             part, inner = slice(first - 1, last - 1), (slice(first, last), slice(1, -1), slice(1, -1))
             for n, field in enumerate(fluid.velocity):
                 before = list(inner)
@@ -69,7 +69,8 @@ class FlowMeans:
                 away = value - mean
                 mean += share * away
                 self.square[part, ..., n] += weight * away * (value - mean)
-            self.pressure[part] += share * (fluid.density * fluid.p[inner] - self.pressure[part])
+            pressure = fluid.density * (fluid.p[inner] - fluid.pressure_offset)
+            self.pressure[part] += share * (pressure - self.pressure[part])
 
     def state(self) -> dict[str, NDArray[Any]]:
         """All that the next sample needs."""

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from rdpm.grid import Grid
 from rdpm.grid.inflow import Inflow
+from rdpm.parallel.ranks import ALONE, Ranks
 
 __all__ = ["OpenEnds"]
 
@@ -22,20 +23,31 @@ class OpenEnds:
     grid : Grid
         Of a box with an inflow.
     inflow : Inflow
+    ranks : Ranks
+        That share the box, where the grid is of a slab.
 
     Notes
     -----
     It holds no state: all that the next step needs is in the velocity.
     """
 
-    def __init__(self, grid: Grid, inflow: Inflow) -> None:
-        self.inflow = inflow
+    def __init__(self, grid: Grid, inflow: Inflow, ranks: Ranks = ALONE) -> None:
+        self.inflow, self._ranks = inflow, ranks
         x, y, z = (kind == "wall" for kind in grid.boundary)
         self._shape = inflow.shape(grid.cells, (x, y, z))
         self._spacing = grid.spacing[inflow.axis]
-        n = grid.cells[inflow.axis]
+        n = grid.cells_here[inflow.axis]
         is_up = inflow.velocity > 0.0
         self._entry, self._exit, self._before_exit = (0, n, n - 1) if is_up else (n, 0, 1)
+        # A slab has a part of both ends, or across z at most one of them.
+        self._is_entry_here = self._is_exit_here = True
+        self._faces_of_an_end, self._is_shared = self._shape.size, False
+        if grid.slab is not None and inflow.axis == 2:
+            ends = grid.slab.lower is None, grid.slab.upper is None
+            self._is_entry_here, self._is_exit_here = ends if is_up else ends[::-1]
+        elif grid.slab is not None:
+            self._shape = self._shape[grid.slab.first : grid.slab.first + grid.slab.planes]
+            self._is_shared = True
 
     def begin(self, velocity: Velocity) -> None:
         """Change the velocity on both ends: inflow of time 0, outflow as it is but with as much volume."""
@@ -62,12 +74,10 @@ class OpenEnds:
 
     def set(self, velocity: Velocity, entering: Field, leaving: Field) -> None:
         """Change the velocity: normal components on both ends."""
-        self._faces(velocity, self._entry)[...] = entering
-        self._faces(velocity, self._exit)[...] = leaving
-
-    def flux_error(self, velocity: Velocity) -> float:
-        """Mean of what leaves less mean of what enters [m/s]: round-off."""
-        return float(self._faces(velocity, self._exit).mean() - self._faces(velocity, self._entry).mean())
+        if self._is_entry_here:
+            self._faces(velocity, self._entry)[...] = entering
+        if self._is_exit_here:
+            self._faces(velocity, self._exit)[...] = leaving
 
     def _faces(self, velocity: Velocity, at: int) -> Field:
         inner: list[slice | int] = [slice(1, -1)] * 3
@@ -78,5 +88,8 @@ class OpenEnds:
         return self.inflow.speed_at(time) * self._shape
 
     def _balanced(self, leaving: Field, time: float) -> Field:
-        result: Field = leaving + (self.inflow.speed_at(time) - float(leaving.mean()))
+        mean = float(leaving.mean())
+        if self._is_shared:
+            mean = float(self._ranks.table([float(leaving.sum())]).sum()) / self._faces_of_an_end
+        result: Field = leaving + (self.inflow.speed_at(time) - mean)
         return result

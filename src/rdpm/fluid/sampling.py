@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rdpm.fluid.state import Fluid
 from rdpm.grid import Grid
 
-__all__ = ["PointSampler", "plane_values"]
+__all__ = ["PointSampler", "plane_parts", "plane_sum", "plane_values"]
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +46,10 @@ class PointSampler:
             (field.reshape(-1)[index] * weight).sum(axis=1)
             for field, (index, weight) in zip((*fluid.velocity, fluid.p), self._stencils, strict=True)
         ]
-        return np.stack(found[:3], axis=1), fluid.density * found[3]
+        if fluid.grid.slab is not None:  # each rank has what lies in its planes
+            parts = fluid.ranks.rows(np.stack(found, axis=1), [len(self.points)] * fluid.ranks.size)
+            found = [*parts.reshape(fluid.ranks.size, -1, 4).sum(axis=0).T]
+        return np.stack(found[:3], axis=1), fluid.density * (found[3] - fluid.pressure_offset)
 
 
 def _stencil(grid: Grid, points: Floats, location: int) -> tuple[NDArray[np.int64], Floats]:
@@ -67,8 +70,12 @@ def _stencil(grid: Grid, points: Floats, location: int) -> tuple[NDArray[np.int6
         pair = np.stack([low, low + 1], axis=1).astype(np.int64)
         if location == 3 and grid.is_periodic[axis]:
             pair = (pair - 1) % cells + 1
+        parts = np.stack([1.0 - part, part], axis=1)
+        if axis == 2 and grid.slab is not None:
+            is_own = (pair >= grid.slab.own.start) & (pair < grid.slab.own.stop)
+            pair, parts = np.where(is_own, pair - grid.slab.first, 0), np.where(is_own, parts, 0.0)
         index = (index[:, :, None] + stride * pair[:, None, :]).reshape(len(points), -1)
-        weight = (weight[:, :, None] * np.stack([1.0 - part, part], axis=1)[:, None, :]).reshape(len(points), -1)
+        weight = (weight[:, :, None] * parts[:, None, :]).reshape(len(points), -1)
     return index, weight
 
 
@@ -90,19 +97,45 @@ def plane_values(fluid: Fluid, axis: int, position: float) -> tuple[NDArray[np.f
         With 1 in place of the count along `axis`.
     pressure : ndarray, (nz, ny, nx), [Pa]
     """
+    return plane_sum(fluid, plane_parts(fluid, axis, position))
+
+
+def plane_parts(fluid: Fluid, axis: int, position: float) -> Floats:
+    """What this rank adds to the values on a plane, to be summed over the first axis and the ranks, or put together.
+
+    Parameters
+    ----------
+    fluid, axis, position
+        As for `plane_values`.
+
+    Returns
+    -------
+    ndarray, (parts, nz, ny, nx, 4)
+        Velocity and pressure; nz of this rank's slab. Normal to z as many parts as it has of the two layers.
+    """
     grid = fluid.grid
     cells, at = grid.cells[axis], position / grid.spacing[axis] + 0.5
     low = int(np.floor(at))
     if not grid.is_periodic[axis]:
         low = min(max(low, 1), cells - 1)
     part = at - low
-    first, second = (_layer(fluid, axis, (n - 1) % cells + 1) for n in (low, low + 1))
-    velocity, pressure = ((1.0 - part) * a + part * b for a, b in zip(first, second, strict=True))
-    return velocity.astype(np.float32), (fluid.density * pressure).astype(np.float32)
+    weighted = [((n - 1) % cells + 1, weight) for n, weight in ((low, 1.0 - part), (low + 1, part))]
+    if axis == 2 and grid.slab is not None:
+        weighted = [(n - grid.slab.first, weight) for n, weight in weighted]
+        weighted = [(n, weight) for n, weight in weighted if 1 <= n <= grid.slab.planes]
+    layers = [weight * _layer(fluid, axis, n) for n, weight in weighted]
+    return np.stack(layers) if layers else np.empty((0, 1, grid.cells[1], grid.cells[0], 4))
 
 
-def _layer(fluid: Fluid, axis: int, cell: int) -> tuple[Floats, Floats]:
-    """Velocity (..., 3) and pressure at the centres of one layer of cells."""
+def plane_sum(fluid: Fluid, parts: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Velocity and pressure as `plane_values` gives them, from all `plane_parts` of a plane."""
+    total = parts.sum(axis=0)
+    pressure = fluid.density * (total[..., 3] - fluid.pressure_offset)
+    return total[..., :3].astype(np.float32), pressure.astype(np.float32)
+
+
+def _layer(fluid: Fluid, axis: int, cell: int) -> Floats:
+    """Velocity and pressure at the centres of one layer of cells, (..., 4)."""
     inner = [slice(1, -1)] * 3
     inner[2 - axis] = slice(cell, cell + 1)
     parts = []
@@ -111,4 +144,4 @@ def _layer(fluid: Fluid, axis: int, cell: int) -> tuple[Floats, Floats]:
         own = inner[2 - component]
         before[2 - component] = slice(own.start - 1, own.stop - 1)
         parts.append(0.5 * (field[tuple(inner)] + field[tuple(before)]))
-    return np.stack(parts, axis=-1), fluid.p[tuple(inner)].copy()
+    return np.stack([*parts, fluid.p[tuple(inner)]], axis=-1)

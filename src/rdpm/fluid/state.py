@@ -74,7 +74,7 @@ class Fluid:
             self._halo = Halo(self.ranks, self.grid.slab)
             self._projection = SlabProjection(self.grid, self.ranks, self._halo)
         inflow = self.grid.box.inflow
-        self._ends = OpenEnds(self.grid, inflow) if inflow is not None else None
+        self._ends = OpenEnds(self.grid, inflow, self.ranks) if inflow is not None else None
 
     @property
     def velocity(self) -> tuple[Field, Field, Field]:
@@ -85,6 +85,11 @@ class Fluid:
     def last_dt(self) -> float:
         """Length of the last step [s]; 0 before the first."""
         return self._last_dt
+
+    @property
+    def pressure_offset(self) -> float:
+        """Of the pressure on a slab to that of one rank [m^2/s^2]."""
+        return self._projection.offset if isinstance(self._projection, SlabProjection) else 0.0
 
     def set_velocity(self, u: Field | float, v: Field | float, w: Field | float) -> None:
         """Change the velocity: inner cells as given, halos from the boundaries.
@@ -107,6 +112,8 @@ class Fluid:
             self._ends.begin(self.velocity)
             self.project(1.0)
             self.p.fill(0.0)
+            if isinstance(self._projection, SlabProjection):
+                self._projection.offset = 0.0
 
     def weights(self, dt: float) -> tuple[float, float]:
         """Adams-Bashforth 2 weights of the new and the stored tendency: a and b in eq. (3) of docs/theory/fluid.md.
@@ -167,9 +174,7 @@ class Fluid:
         if isinstance(self._projection, SlabProjection):
             measures = self._projection.project(self.velocity, self.p, self.increment, dt, rotational)
         else:
-            measures = self._projection.project(
-                self.grid.core, *self.velocity, self.p, self.increment, dt, rotational
-            )
+            measures = self._projection.project(self.grid.core, *self.velocity, self.p, self.increment, dt, rotational)
         self.cfl_rate, self.square_sum = measures
 
     def largest_divergence(self) -> float:

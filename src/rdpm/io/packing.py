@@ -39,13 +39,15 @@ def rounded(values: Values, tolerance: float) -> Values:
     >>> rounded(np.array([1.0, 0.30001, -0.3, 1e-9], np.float32), 0.01).tolist()
     [1.0, 0.296875, -0.296875, 0.0]
     """
-    top = float(np.abs(values).max(initial=0.0))
+    top = max(float(values.max(initial=0.0)), -float(values.min(initial=0.0)))  # no copy: fields are large
     if tolerance <= 0.0 or top == 0.0 or not math.isfinite(top):
         return values
     quantum = np.float32(2.0 ** math.floor(math.log2(2.0 * tolerance * top)))
-    whole = np.rint(values / quantum)
+    whole = values / quantum
+    np.rint(whole, out=whole)
     whole += np.float32(0.0)  # no negative zero
-    return np.asarray(whole * quantum, np.float32)
+    whole *= quantum
+    return np.asarray(whole, np.float32)
 
 
 def append_rounded(dataset: h5py.Dataset, values: Values, tolerance: float) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 import rdpm
+from rdpm import _core
 from rdpm.errors import CaseError
 from rdpm.io.files import replacing
 
@@ -26,15 +27,17 @@ def environment() -> dict[str, Any]:
     Returns
     -------
     dict
-        ``rdpm_version``, ``python``, ``numpy``, ``platform``, ``cpu``, ``date_utc`` (ISO 8601).
+        ``rdpm_version``, ``simd`` (of the kernels), ``python``, ``numpy``, ``platform``, ``cpu``, ``date_utc`` (ISO
+        8601).
 
     Examples
     --------
     >>> sorted(environment())
-    ['cpu', 'date_utc', 'numpy', 'platform', 'python', 'rdpm_version']
+    ['cpu', 'date_utc', 'numpy', 'platform', 'python', 'rdpm_version', 'simd']
     """
     return {
         "rdpm_version": rdpm.__version__,
+        "simd": _core.build_info()["simd"],
         "python": platform.python_version(),
         "numpy": np.__version__,
         "platform": platform.platform(),

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 
 from rdpm.errors import CaseError
 
-__all__ = ["launched", "launched_rank", "single"]
+__all__ = ["launched", "launched_here", "launched_rank", "single"]
 
 # Set for each process by the launchers; SLURM's batch script itself has no step.
 _LAUNCHERS = (
@@ -46,6 +47,19 @@ def launched_rank() -> int:
     names = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK", "PMIX_RANK", "SLURM_PROCID")
     found = [os.environ[name] for name in names if os.environ.get(name, "").isdigit()]
     return int(found[0]) if found else 0
+
+
+def launched_here() -> int:
+    """How many of the processes the launcher started on this machine; all of them where it does not say.
+
+    Examples
+    --------
+    >>> launched_here()
+    1
+    """
+    names = ("MPI_LOCALNRANKS", "OMPI_COMM_WORLD_LOCAL_SIZE", "MV2_COMM_WORLD_LOCAL_SIZE", "SLURM_STEP_TASKS_PER_NODE")
+    found = [re.match(r"[1-9]\d*", os.environ.get(name, "")) for name in names]
+    return next((int(match.group()) for match in found if match), launched()[0])
 
 
 def single(what: str) -> None:

@@ -38,6 +38,8 @@ class ImmersedBodies:
     calibration : Calibration
     has_variable_steps : bool
         Steps are of any length: what is of first order in it is removed from the lagged forcing.
+    walls : WallMarkers, optional
+        Of the walls within the box; made when left out.
 
     Attributes
     ----------
@@ -64,9 +66,11 @@ class ImmersedBodies:
         gravity: Floats,
         calibration: Calibration = CALIBRATION,
         has_variable_steps: bool = False,
+        walls: WallMarkers | None = None,
     ) -> None:
         self.bodies, self.calibration, self.has_variable_steps = bodies, calibration, has_variable_steps
-        self.markers, self.walls = MarkerSet(bodies, fluid.grid, calibration), WallMarkers(fluid.grid, calibration)
+        self.markers = MarkerSet(bodies, fluid.grid, calibration)
+        self.walls = WallMarkers(fluid.grid, calibration) if walls is None else walls
         self.motion = RigidMotion(bodies, fluid.density, self.markers.h, gravity, calibration)
         self.slip = self.pass_seconds = 0.0
         self.slip_square = np.zeros(len(bodies))
@@ -210,9 +214,13 @@ class ImmersedBodies:
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Take over what `state` gave; the bodies are restored before."""
+        self.walls.restore(state)
+        self.restore_markers(state)
+
+    def restore_markers(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Take over what `state` gave of the bodies, not of walls."""
         self.markers.restore(state)
         self.motion.restore(state)
-        self.walls.restore(state)
         self.slip, self.load = float(state["slip"]), np.array(state["load"])
         self.markers.place(self.bodies.position, self.bodies.orientation)
         self.inertia = self._contact_inertia()

@@ -18,14 +18,18 @@ from rdpm.particles.markers import MarkerSet
 from rdpm.particles.seeding import marker_count
 from rdpm.particles.sharing import Sharing
 from rdpm.particles.state import Bodies
+from rdpm.particles.walls import WallMarkers
 
-__all__ = ["SharedBodies"]
+__all__ = ["ROW_COLUMNS", "SharedBodies"]
 
 Floats = NDArray[np.float64]
 
 #: Rows of each body that all ranks know after a step, and their columns.
 _MOTION = {"interior": 6, "residual": 6, "hydrodynamic_force": 3, "hydrodynamic_torque": 3, "applied_force": 3}
 _ROWS = {"load": 6, "inertia": 2, **_MOTION}
+
+#: Numbers in such a row: velocity, angular velocity, square of the slip, and the above.
+ROW_COLUMNS = 7 + sum(_ROWS.values())
 
 
 class SharedBodies:
@@ -44,6 +48,8 @@ class SharedBodies:
     ----------
     part : ImmersedBodies
         Of the bodies here.
+    walls : WallMarkers
+        Of the walls within the box, those at this slab.
     load, inertia, hydrodynamic_force, hydrodynamic_torque, applied_force : ndarray, (N, ...)
         As those of `ImmersedBodies`.
     slip : float, [m/s]
@@ -67,6 +73,7 @@ class SharedBodies:
         self._markers = np.array([marker_count(0.5 * d, h) for d in bodies.diameter], np.int64)
         self._sharing = Sharing(fluid.grid, fluid.ranks, bodies.diameter)
         self._sharing.hold(bodies, 0.0)
+        self.walls = WallMarkers(fluid.grid, calibration, fluid.ranks)
         self.part = self._made()
         self._attach()
         self.part.motion.interior = self.part.interior_momentum(fluid)
@@ -82,9 +89,9 @@ class SharedBodies:
 
     @property
     def force_on_fluid(self) -> Floats:
-        """Of all bodies over the last step, (3,) [N]."""
+        """Of all bodies and walls over the last step, (3,) [N]."""
         total: Floats = self.applied_force.sum(axis=0)
-        return total
+        return total + self.walls.force_on_fluid if len(self.walls) else total
 
     @property
     def here(self) -> NDArray[np.int64]:
@@ -99,9 +106,12 @@ class SharedBodies:
             np.copyto(getattr(local, name), getattr(bodies, name)[here])
         markers = self.part.markers
         markers.place(local.position, local.orientation)
-        known, pairs = self._surroundings(close_pairs(markers.exclusion_range))
+        close, least = close_pairs(markers.exclusion_range), self.part.retained_fraction(fluid, dt)
+        known, pairs = self._surroundings(close)
         around = Bodies(bodies.diameter[known], bodies.density[known], bodies.position[known])
-        markers.exclude(around, pairs, self.part.retained_fraction(fluid, dt))
+        markers.exclude(around, pairs, least)
+        if len(self.walls):
+            self.walls.exclude(bodies, close, least)
 
     def spread_lagged_force(self, fluid: Fluid, dt: float, is_isolated: bool) -> float:
         """See `ImmersedBodies.spread_lagged_force`."""
@@ -134,7 +144,7 @@ class SharedBodies:
             whole[order[: len(whole)]] = gathered
             of_markers[name] = whole.reshape(-1, *values.shape[1:])
         rows = {name: getattr(self, name) for name in _MOTION}
-        return {**of_markers, **rows, "slip": np.array(self.slip), "load": self.load}
+        return {**of_markers, **rows, **self.walls.state(), "slip": np.array(self.slip), "load": self.load}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Take over what `state` gave on the root; the bodies are restored before."""
@@ -147,9 +157,10 @@ class SharedBodies:
         first = np.concatenate([[0], np.cumsum(self._markers)])
         rows = _ranges(first[self.here], self._markers[self.here])
         of_part = {name: getattr(self, name)[self.here] for name in (*_MOTION, "load")}
-        self.part.restore(
+        self.part.restore_markers(
             {"force": state["force"][rows], "volume": state["volume"][rows], "slip": state["slip"]} | of_part
         )
+        self.walls.restore(state)
         self._attach()
         self._exchange_rows()
 
@@ -160,7 +171,7 @@ class SharedBodies:
             bodies.angular_velocity[here], bodies.motion[here],
         )  # fmt: skip
         np.copyto(local.orientation, bodies.orientation[here])
-        return ImmersedBodies(local, self._fluid, self._gravity, self.calibration, self._is_variable)
+        return ImmersedBodies(local, self._fluid, self._gravity, self.calibration, self._is_variable, self.walls)
 
     def _attach(self) -> None:
         """Have the part's sums completed by the other holders."""
@@ -187,7 +198,7 @@ class SharedBodies:
         for ids, values in gained:
             force[_ranges(first[np.searchsorted(self.here, ids)], self._markers[ids])] = values
         rows = {name: getattr(self, name)[self.here] for name in (*_MOTION, "load")}
-        self.part.restore({"force": force, "volume": volume, "slip": np.array(0.0)} | rows)
+        self.part.restore_markers({"force": force, "volume": volume, "slip": np.array(0.0)} | rows)
         self.part.inertia = self.inertia[self.here]
         self._attach()
 
@@ -218,9 +229,7 @@ class SharedBodies:
         table = np.empty((len(self.bodies), mine.shape[1]))
         table[sharing.order] = self._ranks.rows(mine[sharing.is_own], sharing.counts)
         at = np.cumsum([0, 3, 3, 1, *_ROWS.values()])
-        columns = dict(
-            zip(("velocity", "angular_velocity", "slip", *_ROWS), pairwise(at), strict=True)
-        )
+        columns = dict(zip(("velocity", "angular_velocity", "slip", *_ROWS), pairwise(at), strict=True))
         for name in ("velocity", "angular_velocity"):
             np.copyto(getattr(self.bodies, name), table[:, slice(*columns[name])])
         markers = int(self._markers.sum())

@@ -11,7 +11,10 @@ from numpy.typing import NDArray
 from rdpm import _core
 from rdpm.conventions import FIRST_WALL
 from rdpm.grid import Grid
+from rdpm.parallel.gather import rows_on_root
+from rdpm.parallel.ranks import ALONE, Ranks
 from rdpm.particles.calibration import CALIBRATION, Calibration
+from rdpm.particles.sharing import Common, Cuts
 from rdpm.particles.state import Bodies
 from rdpm.surfaces import Cylinder, Plane, Surface
 
@@ -96,11 +99,15 @@ def left_to_marker(distance: Floats, calibration: Calibration, least: float) -> 
 class WallMarkers:
     """The markers of all walls within the box; they do not move.
 
+    Of several ranks each has those at its slab, and does its own planes' part; its length is that of all.
+
     Parameters
     ----------
     grid : Grid
     calibration : Calibration
         Depth of the markers behind the surface, and how they are excluded near bodies.
+    ranks : Ranks
+        That share the box, where the grid is of a slab.
 
     Attributes
     ----------
@@ -115,8 +122,8 @@ class WallMarkers:
         Over the last step.
     """
 
-    def __init__(self, grid: Grid, calibration: Calibration = CALIBRATION) -> None:
-        self.grid, self.calibration = grid, calibration
+    def __init__(self, grid: Grid, calibration: Calibration = CALIBRATION, ranks: Ranks = ALONE) -> None:
+        self.grid, self.calibration, self._ranks = grid, calibration, ranks
         self.h = h = float(np.cbrt(np.prod(grid.spacing)))
         size = np.array(grid.box.size)
         found = [wall_points(wall, size, h, calibration.marker_retraction * h) for wall in grid.box.walls]
@@ -125,20 +132,26 @@ class WallMarkers:
         self.velocity = np.concatenate([np.empty((0, 3)), *moves])
         full = np.concatenate([np.empty(0), *(np.full(len(points), area * h) for points, area in found)])
         order = np.argsort(self.position[:, 2], kind="stable")  # from bottom to top
+        self._count = len(order)
+        self._here = self._own = np.arange(self._count)
+        self._common: Common | None = None
+        if grid.slab is not None:
+            self._here, self._own, self._common = _shared(grid, ranks, self.position[order, 2])
+        order = order[self._here]
         self.position, self.velocity = self.position[order].copy(), self.velocity[order].copy()
         self._full_volume = full[order]
         self.volume = self._full_volume.copy()
-        self.force, self._at_markers = np.zeros((2, len(self), 3))
+        self.force, self._at_markers = np.zeros((2, len(order), 3))
         self._impulse, self.force_on_fluid = np.zeros((2, 3))  # the impulse over the density
         self._cell = float(np.prod(grid.spacing))
-        first = np.append(np.arange(0, len(self), _BLOCK), len(self)).astype(np.int32)
+        first = np.append(np.arange(0, len(order), _BLOCK), len(order)).astype(np.int32)
         self._stencils = _core.Markers(grid.core, first)
         self._stencils.place(grid.core, self.position)
         self._behind = [_faces_behind(grid, n, (calibration.marker_retraction + _DELTA_REACH) * h) for n in range(3)]
         self._tree: Any = None
 
     def __len__(self) -> int:
-        return len(self.position)
+        return self._count
 
     def spread(self, target: tuple[Floats, Floats, Floats], factor: float) -> None:
         """Add factor * force to a staggered field."""
@@ -151,10 +164,12 @@ class WallMarkers:
         the markers.
         """
         self._stencils.interpolate(self.grid.core, *velocity, self._at_markers)
+        if self._common is not None:
+            self._common.add_up(self._at_markers)
         change = self.velocity - self._at_markers
         self._stencils.spread(self.grid.core, *velocity, change, self.volume, 1.0)
         self.force += change / dt
-        self._impulse += self.volume @ change
+        self._impulse += self._summed(change)
         for n, (q, (at, wanted)) in enumerate(zip(velocity, self._behind, strict=True)):
             flat = q.reshape(-1)
             self._impulse[n] += self._cell * float((wanted - flat[at]).sum())
@@ -162,12 +177,19 @@ class WallMarkers:
 
     def begin(self, dt: float) -> None:
         """Start a step's sum of impulses with that of the lagged forces."""
-        self._impulse = dt * (self.volume @ self.force)
+        self._impulse = dt * self._summed(self.force)
 
     def close(self, density: float, dt: float, retained: float) -> None:
         """Conclude the force on the fluid; relax the lagged forces to this fraction for the next step."""
-        self.force_on_fluid = density / dt * self._impulse
+        impulse = self._impulse if self._ranks.size == 1 else self._ranks.table(self._impulse.tolist()).sum(axis=0)
+        self.force_on_fluid = density / dt * impulse
         self.force *= retained
+
+    def _summed(self, values: Floats) -> Floats:
+        """Sum of volume * value over the markers that this rank alone counts."""
+        if self._common is None:
+            return np.asarray(self.volume @ values)
+        return np.asarray(self.volume[self._own] @ values[self._own])
 
     def exclude(self, bodies: Bodies, close: NDArray[np.int32], least: float) -> None:
         """Reduce the volume of markers close to a body, as :meth:`rdpm.particles.markers.MarkerSet.exclude` does.
@@ -197,15 +219,34 @@ class WallMarkers:
             self.volume[at] = np.minimum(self.volume[at], share * self._full_volume[at])
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """What the next step takes from the last one; nothing without walls."""
+        """What the next step takes from the last one, of all walls on the root alone; nothing without walls."""
         if not len(self):
             return {}
-        return {"wall_force": self.force, "wall_volume": self.volume, "wall_force_on_fluid": self.force_on_fluid}
+        force, volume = self.force, self.volume
+        if self._ranks.size > 1:  # from bottom to top, as the ranks are
+            force = rows_on_root(self._ranks, force[self._own])
+            volume = rows_on_root(self._ranks, volume[self._own][:, None])[:, 0]
+        return {"wall_force": force, "wall_volume": volume, "wall_force_on_fluid": self.force_on_fluid}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Take over what `state` gave."""
-        for name, array in self.state().items():
-            np.copyto(array, state[name])
+        if len(self):
+            np.copyto(self.force, state["wall_force"][self._here])
+            np.copyto(self.volume, state["wall_volume"][self._here])
+            np.copyto(self.force_on_fluid, state["wall_force_on_fluid"])
+
+
+def _shared(grid: Grid, ranks: Ranks, z: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64], Common]:
+    """Of markers at these heights, which this rank works on, which of those are its own, and what it shares of them."""
+    assert grid.slab is not None
+    planes = [int(n) for n in ranks.table([grid.slab.planes])[:, 0]]
+    cuts = Cuts(planes, grid.spacing, grid.size[2] if grid.is_periodic[2] else 0.0)
+    holders = cuts.beyond(z, np.zeros(len(z))) <= 0.0
+    here = np.flatnonzero(holders[ranks.rank])
+    held = holders[:, here]
+    rows = {rank: np.flatnonzero(both) for rank, both in enumerate(held) if rank != ranks.rank and both.any()}
+    own = np.flatnonzero(cuts.owner(z[here]) == ranks.rank)
+    return here, own, Common(ranks, rows, not (held.sum(axis=0) > 2).any())
 
 
 def _velocity(wall: Surface, points: Floats) -> Floats:
@@ -220,16 +261,22 @@ def _faces_behind(grid: Grid, component: int, depth: float) -> tuple[NDArray[np.
     counts, spacing, box = np.array(grid.cells), np.array(grid.spacing), grid.box
     offset = np.where(np.arange(3) == component, 0.0, 0.5)
     last = counts + 1 - ((np.arange(3) == component) & ~np.array(grid.is_periodic))  # faces on the box's own walls
-    axes = [np.arange(1, last[n]) for n in range(3)]
-    k, j, i = (c.reshape(-1) for c in np.meshgrid(*axes[::-1], indexing="ij"))
-    points = (np.stack([i, j, k], axis=1) - offset) * spacing
-    places = (k * (counts[1] + 2) + j) * (counts[0] + 2) + i
-    deepest, value = np.full(len(points), np.inf), np.zeros(len(points))
-    for wall in box.walls:
-        distance = wall.distance(points, box.period)[0]
-        nearer = distance < np.minimum(deepest, -depth)
-        deepest[nearer] = distance[nearer]
-        moving = distance[nearer] > -depth - _MOVING_LAYER * float(spacing.max())
-        value[nearer] = np.where(moving, _velocity(wall, points[nearer])[:, component], 0.0)
-    behind = np.isfinite(deepest)
-    return places[behind].astype(np.int64), value[behind]
+    x, y, z = (np.arange(1, last[n]) for n in range(3))
+    if not box.walls:
+        return np.zeros(0, np.int64), np.zeros(0)
+    j, i = (c.reshape(-1) for c in np.meshgrid(y, x, indexing="ij"))
+    found, values = [], []
+    below, planes = (grid.slab.first, grid.slab.planes) if grid.slab is not None else (0, counts[2])
+    for k in z[(z > below) & (z <= below + planes)]:  # plane by plane: a whole field of points takes much memory
+        points = (np.stack([i, j, np.full_like(i, k)], axis=1) - offset) * spacing
+        deepest, value = np.full(len(points), np.inf), np.zeros(len(points))
+        for wall in box.walls:
+            distance = wall.distance(points, box.period)[0]
+            nearer = distance < np.minimum(deepest, -depth)
+            deepest[nearer] = distance[nearer]
+            moving = distance[nearer] > -depth - _MOVING_LAYER * float(spacing.max())
+            value[nearer] = np.where(moving, _velocity(wall, points[nearer])[:, component], 0.0)
+        behind = np.isfinite(deepest)
+        found.append((((k - below) * (counts[1] + 2) + j) * (counts[0] + 2) + i)[behind])
+        values.append(value[behind])
+    return np.concatenate(found).astype(np.int64), np.concatenate(values)

@@ -172,7 +172,7 @@ class Summary:
     ----------
     title, status : str
         Status: "done", "interrupted", or the guard that stopped the run.
-    rdpm_version, python, numpy, platform, cpu, date_utc : str
+    rdpm_version, simd, python, numpy, platform, cpu, date_utc : str
     threads, ranks : int
     cells : tuple of int, (3,)
     spacing_m : tuple of float, (3,)
@@ -206,6 +206,7 @@ class Summary:
 
     title: str | None = None
     rdpm_version: str | None = None
+    simd: str | None = None
     python: str | None = None
     numpy: str | None = None
     platform: str | None = None

@@ -23,7 +23,7 @@ from rdpm.simulation.guards import check_divergence
 from rdpm.simulation.schedule import Every
 from rdpm.simulation.time_loop import TimeLoop
 
-__all__ = ["FIELDS", "Checkpoints", "Saved", "discard_later", "load_newest", "restore"]
+__all__ = ["FIELDS", "Checkpoints", "Saved", "discard_later", "load_newest", "recorded", "restore"]
 
 #: Wall time between two checkpoints, [s].
 WALL_INTERVAL = 300.0
@@ -31,8 +31,10 @@ WALL_INTERVAL = 300.0
 #: A checkpoint that took one second is followed by at least this many without one: at most 2 % of the time.
 COST_RATIO = 50.0
 
-#: Arrays of the whole box: of these a rank reads its own planes.
-FIELDS = frozenset(f"fluid/{name}" for name in ("u", "v", "w", "p", "tendency_x", "tendency_y", "tendency_z"))
+#: Arrays of the whole box with its halo, and those of its cells: of these a rank reads its own planes.
+WITH_HALO = frozenset(f"fluid/{name}" for name in ("u", "v", "w", "p", "tendency_x", "tendency_y", "tendency_z"))
+OF_CELLS = frozenset(f"recorder/means/{name}" for name in ("velocity", "pressure", "square"))
+FIELDS = WITH_HALO | OF_CELLS
 
 #: Share of a requested time by which a checkpoint may be before it.
 AT_TOLERANCE = 0.01
@@ -154,7 +156,7 @@ class Checkpoints:
         arrays: dict[str, NDArray[Any] | Planes] = {f"recorder/{name}": value for name, value in recorded.items()}
         for name, part in _parts(system).items():
             arrays |= {f"{name}/{key}": value for key, value in part.state().items()}
-        arrays |= {name: _planes(system, values) for name, values in arrays.items() if name in FIELDS}
+        arrays |= {name: _planes(system, name, values) for name, values in arrays.items() if name in FIELDS}
         facts = {
             "rdpm_version": rdpm.__version__,
             "case": self._case,
@@ -180,13 +182,23 @@ class Checkpoints:
             older.unlink(missing_ok=True)
 
 
-def _planes(system: System, values: Any) -> NDArray[Any] | Planes:
+def _planes(system: System, name: str, values: Any) -> NDArray[Any] | Planes:
     """A field as the file holds it: whole, or of this rank's slab and to be put together."""
     slab = system.fluid.grid.slab if system.fluid is not None else None
     if slab is None:
         whole: NDArray[Any] = values
         return whole
-    return Planes(system.ranks, values[slab.own.start - slab.first : slab.own.stop - slab.first])
+    own = slice(slab.own.start - slab.first, slab.own.stop - slab.first) if name in WITH_HALO else slice(None)
+    return Planes(system.ranks, values[own])
+
+
+def recorded(simulation: TimeLoop, saved: Saved) -> dict[str, NDArray[Any]]:
+    """What a recorder goes on from: of the averages this rank's planes."""
+    slab = simulation.fluid.grid.slab if simulation.fluid is not None else None
+    rows: Arrays = {}
+    if slab is not None:
+        rows = read_rows(saved.path, OF_CELLS, slice(slab.first, slab.first + slab.planes))
+    return saved.part("recorder") | {name.removeprefix("recorder/"): values for name, values in rows.items()}
 
 
 def restore(simulation: TimeLoop, saved: Saved, is_same_run: bool = True) -> None:
@@ -202,7 +214,7 @@ def restore(simulation: TimeLoop, saved: Saved, is_same_run: bool = True) -> Non
     system = simulation.system
     fields: Arrays = {}
     if system.fluid is not None and system.fluid.grid.slab is not None:
-        taken = read_rows(saved.path, FIELDS, system.fluid.grid.slab.take)
+        taken = read_rows(saved.path, WITH_HALO, system.fluid.grid.slab.take)
         fields = {key.removeprefix("fluid/"): rows for key, rows in taken.items()}
     for name, part in _parts(system).items():
         part.restore(saved.part(name) | (dict(fields) if name == "fluid" else {}))
@@ -263,8 +275,11 @@ def load_newest(
             "output.checkpoint_every in that run."
         )
         raise CheckpointError(
-            "--at", f"{at:g} s", f"must be the time of a checkpoint, or at most {tolerance:.3g} s after it",
-            f"there are those at {listed} s", cure,
+            "--at",
+            f"{at:g} s",
+            f"must be the time of a checkpoint, or at most {tolerance:.3g} s after it",
+            f"there are those at {listed} s",
+            cure,
         )
     reason = f"all {spoiled} are spoiled" if spoiled else "there is none"
     raise CheckpointError(str(folder), None, "must hold a good checkpoint", reason, "Start the run anew.")

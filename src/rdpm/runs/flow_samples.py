@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +14,11 @@ from numpy.typing import NDArray
 from rdpm.config.output import Output
 from rdpm.fluid import Fluid
 from rdpm.fluid.means import FlowMeans
-from rdpm.fluid.sampling import PointSampler, plane_values
+from rdpm.fluid.sampling import PointSampler, plane_parts, plane_sum
 from rdpm.io.files import replacing
 from rdpm.io.vtkhdf import FieldWriter
+from rdpm.parallel.agreement import OnRoot, on_root
+from rdpm.parallel.gather import Planes, rows_on_root, with_planes
 from rdpm.results.run_folder import RunFolder
 from rdpm.runs.continued import Note, continued
 from rdpm.simulation.record import Record
@@ -81,8 +85,9 @@ class FlowSamples:
         self._planes_due = simulation.asked(output.planes_every or 0.0)
         self._average_due = simulation.asked(output.average_every or 0.0)
         self._from = output.average_from
-        self.means = FlowMeans(self._fluid.grid.cells) if output.average_from is not None else None
-        self._files: list[FieldWriter] = []
+        self.means = FlowMeans(self._fluid.grid.cells_here) if output.average_from is not None else None
+        self._ranks = simulation.system.ranks
+        self._files: list[OnRoot] = []
 
     def open(self, resumed: tuple[Mapping[str, NDArray[Any]], Mapping[str, Any]] | None, note: Note | None) -> None:
         """Begin the files, or continue them from what `state` gave."""
@@ -96,7 +101,8 @@ class FlowSamples:
             ) -> FieldWriter:
                 return FieldWriter(path, cells, self._fluid.grid.spacing, keep, origin=corner)
 
-            self._files.append(continued(self._folder.plane(n), until, note, made))
+            begin = partial(continued, self._folder.plane(n), until, note, made)
+            self._files.append(OnRoot(self._ranks, begin))
         if resumed is None:
             self.step()
             return
@@ -110,13 +116,24 @@ class FlowSamples:
         time = self._simulation.time
         if self._files and self._planes_due.is_due(time):
             for (axis, position), file in zip(self._planes, self._files, strict=True):
-                file.write(time, *plane_values(self._fluid, axis, position))
+                self._write_plane(file, axis, position)
         begins = self._from is not None and time >= self._from * (1.0 - 1e-9)
         if self.means is not None and begins and self._average_due.is_due(time):
             self.means.add(self._fluid, time)
 
+    def _write_plane(self, file: OnRoot, axis: int, position: float) -> None:
+        time, fluid, ranks = self._simulation.time, self._fluid, self._ranks
+        parts = plane_parts(fluid, axis, position)
+        if axis == 2:  # its two layers may be of two ranks
+            shape = parts.shape[1:]
+            gathered = rows_on_root(ranks, parts.reshape(len(parts), math.prod(shape))).reshape(-1, *shape)
+            on_root(ranks, lambda: file.inner.write(time, *plane_sum(fluid, gathered)))
+            return
+        values = [Planes(ranks, part) for part in plane_sum(fluid, parts)]
+        with_planes(ranks, values, lambda: file.inner.write(time, *values))
+
     def state(self) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-        """Sums and schedules: arrays, and plain values."""
+        """Sums and schedules: arrays, those of the averages of this rank's slab, and plain values."""
         arrays = {} if self.means is None else {f"means/{key}": value for key, value in self.means.state().items()}
         return arrays, {"counts": [self._planes_due.count, self._average_due.count]}
 
@@ -125,6 +142,11 @@ class FlowSamples:
         means, grid = self.means, self._fluid.grid
         if means is None or means.span <= 0.0:
             return
-        with replacing(self._folder.averages) as temporary:
-            file = FieldWriter(temporary, grid.cells, grid.spacing, quantities=AVERAGES)
-            file.write(means.last, means.velocity, means.pressure, means.variance)
+        planes = [Planes(self._ranks, values) for values in (means.velocity, means.pressure, means.variance)]
+
+        def write() -> None:
+            with replacing(self._folder.averages) as temporary:
+                file = FieldWriter(temporary, grid.cells, grid.spacing, quantities=AVERAGES)
+                file.write(means.last, *planes)
+
+        with_planes(self._ranks, planes, write)

@@ -18,7 +18,7 @@ from rdpm.parallel.ranks import Ranks, world
 from rdpm.results.run_folder import RunFolder
 from rdpm.results.summary import Summary, read_summary, write_summary
 from rdpm.results.warnings import RunWarning
-from rdpm.runs.checkpoints import FIELDS, Checkpoints, Saved, discard_later, load_newest, restore
+from rdpm.runs.checkpoints import FIELDS, Checkpoints, Saved, discard_later, load_newest, recorded, restore
 from rdpm.runs.record_tables import RecordTables
 from rdpm.runs.recorder import Recorder
 from rdpm.runs.restart import case_to_branch, case_to_continue
@@ -267,7 +267,9 @@ class _Run:
         for warning in (*planned(simulation.plan), *crowded(used * self.ranks.sharers)):
             self.teller.warn(warning, is_logged=not self.is_same)
         output = case.output
-        resumed = (saved.part("recorder"), saved.facts["recorder"]) if saved is not None and self.is_same else None
+        resumed = None
+        if saved is not None and self.is_same:
+            resumed = recorded(simulation, saved), saved.facts["recorder"]
         with Recorder(
             simulation, files, output, resumed, self.teller.warn, contact_design(simulation), self.records,
         ) as recorder:

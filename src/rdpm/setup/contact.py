@@ -15,6 +15,7 @@ from rdpm.config.case import Case
 from rdpm.contacts import ContactLaw, SoftSphere
 from rdpm.design.verdicts import LEAST_CONTACT_STEPS
 from rdpm.setup.adaptive import adaptive_designs, adaptive_law, adaptive_limit
+from rdpm.setup.extended import extended
 from rdpm.setup.hard_sphere import hard_sphere
 from rdpm.setup.hertz import hertz_designs, hertz_law, hertz_limit
 from rdpm.setup.kinds import Kind
@@ -94,7 +95,7 @@ def contact_law(case: Case, dt: float, fall: float, h: float) -> ContactLaw:
     -------
     ContactLaw
     """
-    return _MODELS[case.contact.model].law(case, dt, fall, h)
+    return extended(case, _MODELS[case.contact.model].law(case, dt, fall, h))
 
 
 def pairs(case: Case, kinds: list[Kind], dt: float, fall: float, h: float) -> list[PairKind]:

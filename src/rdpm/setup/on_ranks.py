@@ -1,17 +1,16 @@
-"""What several ranks can run, and how the box is cut among them."""
+"""How the box is cut among several ranks."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm.errors import CaseError
 from rdpm.parallel.decomposition import LEAST_PLANES, Slab, cut, slabs
 from rdpm.parallel.ranks import Ranks
 from rdpm.particles.state import Bodies
 from rdpm.setup.plan import Plan
 
-__all__ = ["plane_costs", "slab_of"]
+__all__ = ["plane_costs", "planes_of_ranks", "slab_of"]
 
 #: Time of a marker's step over that of a cell's (measured: 370 and 13.6 ns); only the balance of ranks depends on it.
 MARKER_COST = 27.0
@@ -48,32 +47,20 @@ def slab_of(made: Plan, bodies: Bodies, ranks: Ranks) -> Slab | None:
     Raises
     ------
     CaseError
-        Several ranks cannot run this case, or not so many.
+        Too many ranks.
     """
     if ranks.size == 1 or made.cells is None:
         return None
-    _refuse(made, ranks)
-    least = max(LEAST_PLANES, made.step.stages + 1)
-    return slabs(cut(plane_costs(made, bodies), ranks.size, least), made.case.domain.is_periodic[2])[ranks.rank]
+    return slabs(planes_of_ranks(made, bodies, ranks.size)[0], made.case.domain.is_periodic[2])[ranks.rank]
 
 
-def _refuse(made: Plan, ranks: Ranks) -> None:
-    """What one process alone can do with a fluid."""
-    case, output = made.case, made.case.output
-    asked = {
-        "domain.boundary": any(kind not in ("periodic", "wall", "free-slip") for kind in case.domain.kinds),
-        "walls": bool(case.walls),
-        "output.points": bool(output.points),
-        "output.lines": bool(output.lines),
-        "output.planes": bool(output.planes),
-        "output.average_from": output.average_from is not None,
-        "output.vorticity": output.vorticity,
-        "output.q_criterion": output.q_criterion,
-    }
-    for key, is_asked in asked.items():
-        if is_asked:
-            what = "inflow and outflow" if key == "domain.boundary" else key.rpartition(".")[2].replace("_", " ")
-            raise CaseError(
-                key, f"{what}, on {ranks.size} MPI ranks", "needs one process", "a rank has a slab of the flow only",
-                "Start one process, with --threads, or leave it out.",
-            )  # fmt: skip
+def planes_of_ranks(made: Plan, bodies: Bodies, ranks: int) -> tuple[list[int], NDArray[np.float64]]:
+    """Planes of each of so many ranks, and the cost of every plane [cells].
+
+    Raises
+    ------
+    CaseError
+        Too many ranks.
+    """
+    costs = plane_costs(made, bodies)
+    return cut(costs, ranks, max(LEAST_PLANES, made.step.stages + 1)), costs

@@ -14,6 +14,7 @@ from rdpm.contacts import ContactLaw
 from rdpm.errors import CaseError
 from rdpm.fluid.timestep import Choice
 from rdpm.grid.grid import choose_cells
+from rdpm.parallel.launcher import launched, launched_here
 from rdpm.particles.seeding import marker_count
 from rdpm.setup.contact import PairKind, contact_law, contact_limit, pairs
 from rdpm.setup.disk import fields_disk, run_disk
@@ -21,7 +22,7 @@ from rdpm.setup.inflow import check_ends
 from rdpm.setup.kinds import kinds_of_pairs
 from rdpm.setup.needs import MemoryNeeds, memory_needs
 from rdpm.setup.plausible import implausible
-from rdpm.setup.rows import PlanRow, disk_rows, hard_sphere_rows, memory_rows, sections
+from rdpm.setup.rows import PlanRow, cohesion_rows, disk_rows, hard_sphere_rows, memory_rows, sections
 from rdpm.setup.scales import Scales, available_memory, memory_needed, scales
 from rdpm.setup.time_step import time_step
 from rdpm.setup.walls import check_room_behind
@@ -112,7 +113,7 @@ class Plan:
         }
 
 
-def plan(case: Case, contact_step: float | None = None) -> Plan:
+def plan(case: Case, contact_step: float | None = None, machines: float | None = None) -> Plan:
     """Work out what a case implies.
 
     Parameters
@@ -120,6 +121,8 @@ def plan(case: Case, contact_step: float | None = None) -> Plan:
     case : Case
     contact_step : float, optional, [s]
         Step with which a run began that automatic steps now continue; chosen when left out.
+    machines : float, optional
+        Like this one, that share the memory of the flow; those of the launcher when left out.
 
     Returns
     -------
@@ -148,12 +151,15 @@ def plan(case: Case, contact_step: float | None = None) -> Plan:
     law = contact_law(case, step.dt, found.fall, h)
     markers = sum(marker_count(0.5 * d, h) for d in case.expanded_bodies().diameter) if cells else 0
     memory = memory_needed(cells, step.is_explicit, markers) if cells else 0
-    _check_memory(case, cells, memory)
+    ranks = launched()[0]
+    _check_memory(case, cells, round(memory / (machines or ranks / min(ranks, launched_here()))))
     designed = pairs(case, kinds, step.dt, found.fall, h)
     steps = max(1, math.ceil(case.time.end / step.dt - 1e-6))
     rows = sections(case, cells, spacing, step, designed, found, steps, markers)
     if case.contact.model == "hard-sphere" and kinds:
         rows.append(("Contact, hard spheres", hard_sphere_rows(case, step.dt, found.fall)))
+    if case.contact.cohesion > 0.0 and kinds:
+        rows.append(("Contact, cohesion", cohesion_rows(case, kinds, designed, found.fall)))
     made = Plan(case, cells, step, law, designed, found, memory, steps, rows)
     rows.append(("Memory", memory_rows(made.needs, available_memory())))
     rows.append(("Disk", disk_rows(made.disk, fields_disk(case, cells, steps))))
@@ -190,6 +196,6 @@ def _check_memory(case: Case, cells: tuple[int, int, int] | None, memory: int) -
             place,
             value,
             f"must lead to a grid of at most {0.9 * available / 1e9:.3g} GB",
-            f"{cells[0]} x {cells[1]} x {cells[2]} cells need {memory / 1e9:.3g} GB",
+            f"{cells[0]} x {cells[1]} x {cells[2]} cells need {memory / 1e9:.3g} GB here",
             "Lower it, or shorten the box.",
         )

@@ -16,10 +16,11 @@ from rdpm.fluid.timestep import Choice
 from rdpm.setup.contact import PairKind
 from rdpm.setup.disk import FieldsDisk, size_text
 from rdpm.setup.hard_sphere import hard_sphere
+from rdpm.setup.kinds import Kind
 from rdpm.setup.needs import MemoryNeeds
 from rdpm.setup.scales import Scales
 
-__all__ = ["EXPECTED_NS", "PlanRow", "disk_rows", "hard_sphere_rows", "memory_rows", "sections"]
+__all__ = ["EXPECTED_NS", "PlanRow", "cohesion_rows", "disk_rows", "hard_sphere_rows", "memory_rows", "sections"]
 
 #: Nanoseconds a cell and step on one thread, for the estimate of a run's time.
 EXPECTED_NS = 20.0
@@ -271,4 +272,38 @@ def hard_sphere_rows(case: Case, dt: float, fall: float) -> list[PlanRow]:
                 f"would overlap by {100.0 * error.overlap:.3g} % of d and lag by {100.0 * error.lag:.3g} % of d",
             )
         )
+    return rows
+
+
+def cohesion_rows(case: Case, kinds: list[Kind], pairs: list[PairKind], fall: float) -> list[PlanRow]:
+    """What cohesion does to each kind of pair: its pull-off force, and the speed below which the pair sticks.
+
+    Parameters
+    ----------
+    case : Case
+        With cohesion.
+    kinds : list of Kind
+    pairs : list of PairKind
+        Their designs.
+    fall : float, [m/s]
+        Impact speed in the worst case; 0 where none is known.
+
+    Returns
+    -------
+    list of PlanRow
+    """
+    rows, well = [], float(case.contact.cohesion_range or 0.0)
+    g = float(np.linalg.norm(case.domain.gravity))
+    for kind, pair in zip(kinds, pairs, strict=True):
+        force = float(design.pull_off_force(kind.reduced_radius, case.contact.cohesion))
+        weight = g * kind.reduced_mass
+        note = f"{force / weight:.3g} of the weight of the reduced mass" if weight > 0.0 else ""
+        rows.append(PlanRow(f"pull-off force, {pair.kind}", f"{force:.4g} N", "", note))
+        e = pair.design.restitution if isinstance(pair.design, (Design, design.HertzDesign)) else None
+        if not e:
+            continue
+        speed = float(design.sticking_speed(kind.reduced_mass, force, well, e))
+        sticks = fall > 0.0 and speed >= fall
+        note = f"slower impacts do not part{f': also one at {fall:.3g} m/s, the fastest known' if sticks else ''}"
+        rows.append(PlanRow(f"sticking speed, {pair.kind}", f"{speed:.4g} m/s", "warning" if sticks else "", note))
     return rows

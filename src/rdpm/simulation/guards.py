@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
+
 import numpy as np
 
 from rdpm.contacts.neighbours import gaps_and_rates
 from rdpm.conventions import partner_name
 from rdpm.coupling.system import System
-from rdpm.errors import BodyLeftError, CflError, DivergenceError, NanError, OverlapError
+from rdpm.errors import BodyLeftError, CflError, DivergenceError, NanError, OverlapError, RanksError
 from rdpm.grid.inflow import CLEAR_CELLS
 
-__all__ = ["check_divergence", "check_step"]
+__all__ = ["check_alike", "check_divergence", "check_step"]
 
 #: Cells the flow may cross in a step. An automatic step aims at half a cell; the flow in the gap of a rebound reaches
 #: 1.1 for a few steps unharmed, and a run that turns unstable passes 2 at once.
@@ -124,6 +126,31 @@ def _check_prescribed(system: System, when: str) -> None:
         "no contact acts where neither can give way: the motion of both is prescribed",
         "Change the motion, or end it with until = { gap = ... }.",
     )
+
+
+def check_alike(system: System) -> None:
+    """Bodies must be the same on all ranks, to the bit: each moves all of them.
+
+    Raises
+    ------
+    RanksError
+    """
+    if system.ranks.size == 1:
+        return
+    bodies = system.bodies
+    digest = hashlib.blake2b(digest_size=6)  # as a number it is exact
+    for values in (bodies.position, bodies.orientation, bodies.velocity, bodies.angular_velocity):
+        digest.update(values.tobytes())
+    found = system.ranks.table([float(int.from_bytes(digest.digest(), "big"))])[:, 0]
+    apart = np.flatnonzero(found != found[0])
+    if len(apart):
+        raise RanksError(
+            f"ranks guard, step {system.steps}, t = {system.time:.6g} s: ranks {', '.join(map(str, apart))}",
+            None,
+            "must have the same bodies as rank 0",
+            "their machines compute differently: another processor, library or build of rdpm",
+            "Run on machines of one kind, with one installation.",
+        )
 
 
 def check_divergence(system: System) -> float:

@@ -13,14 +13,14 @@ from rdpm.errors import CaseError
 from rdpm.fluid import Fluid
 from rdpm.parallel.agreement import together
 from rdpm.particles.state import Bodies
-from rdpm.simulation.guards import check_divergence, check_step
+from rdpm.simulation.guards import check_alike, check_divergence, check_step
 from rdpm.simulation.record import Record
 from rdpm.simulation.schedule import Every
 from rdpm.simulation.step_control import StepControl
 
 __all__ = ["TimeLoop"]
 
-#: Steps between two checks of the divergence, which read the whole velocity once more.
+#: Steps between two checks of the divergence, which read the whole velocity once more, and of bodies on all ranks.
 DIVERGENCE_EVERY = 100
 
 #: Share of a step that a time may be off by the sum of many steps.
@@ -169,6 +169,7 @@ class TimeLoop:
         together(self.system.ranks, lambda: self._step(dt, is_isolated))
         if self.steps % DIVERGENCE_EVERY == 0:
             self.check_divergence()
+            together(self.system.ranks, lambda: check_alike(self.system))
         self.wall_seconds += clock.perf_counter() - begin
         for every, callback in self._callbacks:
             if self.steps % every == 0:

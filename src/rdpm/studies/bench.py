@@ -10,8 +10,10 @@ import numpy as np
 
 from rdpm.config.load import load_case
 from rdpm.parallel.bandwidth import triad_bandwidth
+from rdpm.parallel.ranks import ALONE, Ranks
 from rdpm.parallel.threads import available_threads
 from rdpm.setup import Simulation
+from rdpm.setup.rank_plan import plan_ranks
 from rdpm.studies.dry_bed import BEDS, dry_bed
 
 __all__ = ["CASES", "bench", "measure"]
@@ -66,7 +68,7 @@ CASES: dict[str, tuple[Callable[[], dict[str, Any]], int]] = {
 }
 
 
-def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
+def measure(name: str, bandwidth: float | None = None, ranks: Ranks = ALONE) -> dict[str, Any]:
     """Time the steps of one case.
 
     Parameters
@@ -75,6 +77,8 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
         A key of `CASES`.
     bandwidth : float, optional, [bytes/s]
         Of the triad with the same number of threads; measured when left out.
+    ranks : Ranks
+        That share the case; all call this.
 
     Returns
     -------
@@ -82,46 +86,46 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
         ``name, cells, threads, diffusion, bodies, steps, ns_per_cell_step, bytes_per_cell_step, memory_bytes_per_cell,
         parts`` (time by part [ns a cell and step]) and, with bodies, ``us_per_marker_pass``, a forcing
         pass from the velocity of the fluid at a marker to its force on the fluid, and ``us_per_marker_step``, all
-        that bodies cost in a step. Of each the median over the steps.
+        that bodies cost in a step; on several ``ranks``, of the first ``message_ns_per_cell_step``, ``messages`` and
+        ``sent_bytes`` of a step, and of all ``sent_as_told``, whether that is what `rdpm check --ranks` tells. Of each
+        the median over the steps.
     """
     make, requested = CASES[name]
-    threads = requested or available_threads()
-    simulation = Simulation(load_case(make()), threads)
+    threads = requested or available_threads(ranks.sharers)
+    simulation = Simulation(load_case(make()), threads, ranks=ranks)
     for _ in range(WARM_UP):
         simulation.advance()
-    watch = simulation.system.watch
-    immersed = simulation.system.immersed
-    whole: list[float] = []
-    parts: list[dict[str, float]] = []
-    while len(whole) < LEAST_STEPS or sum(whole) < SECONDS:
-        for part in watch.seconds:
-            watch.seconds[part] = 0.0
-        if immersed is not None:
-            immersed.pass_seconds = 0.0
-        begin = time.perf_counter()
-        simulation.advance()
-        whole.append(time.perf_counter() - begin)
-        parts.append(watch.seconds | {"passes": immersed.pass_seconds if immersed else 0.0})
-    seconds = {part: float(np.median([step[part] for step in parts])) for part in parts[0]}
+    seconds = _timed(simulation, ranks)
     fluid = simulation.fluid
     assert fluid is not None
     cells = int(np.prod(fluid.grid.cells))
-    median = float(np.median(whole))
+    steps, median, passes = (seconds.pop(name) for name in ("steps", "whole", "passes"))
+    messages = {name: seconds.pop(name) for name in ("messages", "sent_bytes", "message_seconds")}
     bandwidth = bandwidth or triad_bandwidth(threads)
-    passes = seconds.pop("passes")
+    immersed = simulation.system.immersed
     result: dict[str, Any] = {
         "name": name,
         "cells": list(fluid.grid.cells),
         "threads": threads,
+        "ranks": ranks.size,
         "diffusion": "explicit" if fluid.is_explicit else "stabilised",
         "stages": simulation.plan.step.stages,
         "bodies": len(simulation.bodies),
-        "steps": len(whole),
+        "steps": int(steps),
         "ns_per_cell_step": 1e9 * median / cells,
         "bytes_per_cell_step": median / cells * bandwidth,
-        "memory_bytes_per_cell": fluid.bytes / cells,
+        "memory_bytes_per_cell": fluid.bytes / int(np.prod(fluid.grid.cells_here)),
         "parts": {part: 1e9 * of_step / cells for part, of_step in seconds.items()},
     }
+    if ranks.size > 1:
+        told = plan_ranks(simulation.plan, ranks.size, threads).shares[ranks.rank].sent
+        is_told = (told.messages, told.sent_bytes) == (messages["messages"], messages["sent_bytes"])
+        result |= {
+            "message_ns_per_cell_step": 1e9 * messages["message_seconds"] / cells,
+            "messages": int(messages["messages"]),
+            "sent_bytes": int(messages["sent_bytes"]),
+            "sent_as_told": bool(ranks.table([is_told]).all()),
+        }
     if immersed is not None and len(immersed.markers):
         markers, calls = len(immersed.markers), immersed.calibration.forcing_passes
         result["us_per_marker_pass"] = 1e6 * passes / calls / markers
@@ -129,7 +133,36 @@ def measure(name: str, bandwidth: float | None = None) -> dict[str, Any]:
     return result
 
 
-def bench(names: Iterable[str] = (), progress: Callable[[str], None] | None = None) -> dict[str, Any]:
+def _timed(simulation: Simulation, ranks: Ranks) -> dict[str, float]:
+    """Medians over steps: seconds of the whole and of each part, of messages, and what was sent; and how many steps."""
+    watch, immersed = simulation.system.watch, simulation.system.immersed
+    rows: list[dict[str, float]] = []
+    spent = 0.0
+    while len(rows) < LEAST_STEPS or ranks.table([spent])[0, 0] < SECONDS:
+        for part in watch.seconds:
+            watch.seconds[part] = 0.0
+        if immersed is not None:
+            immersed.pass_seconds = 0.0
+        sent, begin = (ranks.messages, ranks.sent_bytes, ranks.seconds), time.perf_counter()
+        simulation.advance()
+        whole = time.perf_counter() - begin
+        spent += whole
+        rows.append(
+            {
+                **watch.seconds,
+                "whole": whole,
+                "passes": immersed.pass_seconds if immersed else 0.0,
+                "messages": ranks.messages - sent[0],
+                "sent_bytes": ranks.sent_bytes - sent[1],
+                "message_seconds": ranks.seconds - sent[2],
+            }
+        )
+    return {name: float(np.median([row[name] for row in rows])) for name in rows[0]} | {"steps": len(rows)}
+
+
+def bench(
+    names: Iterable[str] = (), progress: Callable[[str], None] | None = None, ranks: Ranks = ALONE
+) -> dict[str, Any]:
     """Measure cases and the triad in one run.
 
     Parameters
@@ -138,6 +171,8 @@ def bench(names: Iterable[str] = (), progress: Callable[[str], None] | None = No
         Keys of `CASES`, or of `rdpm.studies.dry_bed.BEDS`; all `CASES` when empty.
     progress : callable, optional
         Gets a line before each.
+    ranks : Ranks
+        That share each case; all call this.
 
     Returns
     -------
@@ -147,20 +182,21 @@ def bench(names: Iterable[str] = (), progress: Callable[[str], None] | None = No
     tell = progress or (lambda text: None)
     tell("memory bandwidth")
     bandwidth: dict[int, float] = {}
-    threads = available_threads()
+    threads = available_threads(ranks.sharers)
     for n in sorted({1, threads}):
-        bandwidth[n] = triad_bandwidth(n)
+        bandwidth[n] = float(ranks.table([triad_bandwidth(n)]).sum())
     cases, beds = [], []
     for name in list(names) or CASES:
         if name in BEDS:
             beds.append(dry_bed(name, tell))
             continue
         tell(name)
-        cases.append(measure(name, bandwidth[CASES[name][1] or threads]))
+        cases.append(measure(name, bandwidth[CASES[name][1] or threads], ranks))
     return {
         "triad_GB_s": 1e-9 * bandwidth[threads],
         "triad_one_thread_GB_s": 1e-9 * bandwidth[1],
         "threads": threads,
+        "ranks": ranks.size,
         "cases": cases,
         "beds": beds,
     }

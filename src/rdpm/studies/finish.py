@@ -34,7 +34,8 @@ def finish(results: StudyResults, tell: Callable[[str], None] = lambda _: None) 
 
     Notes
     -----
-    The claims of an included study are judged by its own runs, against the widest spread that the whole study knows.
+    The claims of an included study are judged by its own runs against their own spread; where none of them was
+    repeated, against the widest that the other parts know.
     A drawing or a claim that fails is told, and the others are made.
     """
     judged, pictures = finished(results, tell)
@@ -88,9 +89,11 @@ def _judged(results: StudyResults, name: str, tell: Callable[[str], None]) -> di
 
 
 def _with_spread(part: StudyResults, whole: StudyResults) -> StudyResults:
-    """The part with the repeated runs of all other parts, which count for the spread only."""
+    """The part; where it repeats no run, with those that other parts repeat, which count for the spread only."""
     import pandas
 
+    if (part.table["spread_of"].fillna("") != "").any():
+        return part
     others = whole.table[whole.table["study"] != part.name].copy()
     others["spread_of"] = others["spread_of"].fillna("")
     repeated = set(zip(others["study"], others["spread_of"], strict=True))

@@ -6,6 +6,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "rdpm/contacts/rotation.hpp"
 #include "rdpm/contacts/substep_task.hpp"
 #include "rdpm/contacts/tangential_lubrication.hpp"
 
@@ -180,6 +181,8 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
         }
     }
     apply(b, p, g, normal, tangential);
+    if constexpr (RotationLaw<Law>)
+        if (w.share() > 0) work += resist_rotation<Law>(b, p, g.n, law, w, h, normal.contact);
 
     Window touch = w;
     if constexpr (DistantLaw<Law>) touch = overlap_window({g.overlap, u_mid, h, false});

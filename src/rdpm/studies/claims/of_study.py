@@ -44,9 +44,10 @@ def judge_study(claim: Claim, results: _Results) -> Judgement:
 
     Notes
     -----
-    Only runs that are done count. A parameter that the table does not have, as all runs share it, is read from the
-    ``case.toml`` of each run. Repetitions (``spread_of``) give the spread and are not judged themselves. Resolutions
-    are not mixed: the verdict is that of the one with most runs, the sentence adds those of the others.
+    Only runs that are done count. A parameter without a value in a run's row is read from the run's ``case.toml``: the
+    study, or this part of it, does not vary it. Repetitions (``spread_of``) give the spread and are not judged
+    themselves. Resolutions are not mixed: the verdict is that of the one with most runs, the sentence adds those of the
+    others.
     """
     if isinstance(claim.expected, Computed):
         return judge(claim, (), {})
@@ -59,7 +60,7 @@ def judge_study(claim: Claim, results: _Results) -> Judgement:
             continue
         files = RunFolder(results.run_folder(str(row["run"]), _text(row.get("study"))))
         case = tomllib.loads(files.case.read_text(encoding="utf-8")) if files.case.is_file() else {}
-        own.append(row | case_columns(case, [key for key in keys if key not in row]))
+        own.append(row | case_columns(case, [key for key in keys if _is_missing(row.get(key))]))
     resolutions = [row[RESOLUTION] for row in own if number(row, RESOLUTION) is not None]
     if not resolutions:
         return judge(claim, own, spreads)
@@ -151,6 +152,10 @@ def widest_spreads(rows: Iterable[Mapping[str, Any]], quantities: Iterable[str])
         quantity: max((spread_of(group, quantity) for group in groups), key=lambda spread: spread.half_width)
         for quantity in quantities
     }
+
+
+def _is_missing(value: Any) -> bool:
+    return value is None or value != value   # NaN, where other parts of a study vary the key
 
 
 def _text(value: Any) -> str:

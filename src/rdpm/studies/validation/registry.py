@@ -8,6 +8,8 @@ from functools import partial
 from typing import Any
 
 from rdpm.studies.validation.basset import basset
+from rdpm.studies.validation.falls import bouncing_sphere, sliding_ball, stacked_spheres
+from rdpm.studies.validation.impacts import glass_spheres, normal_impact, oblique_impact
 from rdpm.studies.validation.mordant_pinton import mordant_pinton
 from rdpm.studies.validation.near_contact import near_contact
 from rdpm.studies.validation.near_contact_shear import near_contact_shear
@@ -34,6 +36,12 @@ CASES: dict[str, tuple[Callable[[bool, Tell], Found], bool]] = {
     "near-contact-shear": (near_contact_shear, True),
     "rebound": (rebound, True),
     "time-order": (time_order, True),
+    "bouncing-sphere": (bouncing_sphere, True),
+    "stacked-spheres": (stacked_spheres, True),
+    "sliding-ball": (sliding_ball, True),
+    "normal-impact": (normal_impact, True),
+    "oblique-impact": (oblique_impact, True),
+    "glass-spheres": (glass_spheres, True),
 }
 
 
