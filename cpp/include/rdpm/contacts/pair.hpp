@@ -45,6 +45,13 @@ inline double dot(const double* a, const double* b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+// What is summed over both bodies begins with the upper one, so that its last bit does not depend on which of
+// them is i.
+inline bool points_up(const double* n) {
+    if (n[2] != 0) return n[2] > 0;
+    return n[1] != 0 ? n[1] > 0 : n[0] > 0;
+}
+
 inline void nearest_image(const Box& box, const double* xi, const double* xj, double* r) {
     for (int d = 0; d < 3; ++d) {
         r[d] = xj[d] - xi[d];

@@ -74,6 +74,7 @@ struct SubstepTask {
     std::int32_t* wake;           // (count,): sub-step in which a pair is next looked at, or kUnderWay
     double acceleration;          // no relative acceleration exceeds this, by the increments, times h
     double closing;               // no pair closes faster [m/s]
+    double* turned;               // (body_count, 3): angular impulses by lubrication; null without
     Finished* finished;
     std::int64_t capacity;  // of `finished`
     double time, h, overlap_limit;
