@@ -104,7 +104,7 @@ def substeps() -> Call:
         "kinds": np.array([0, 1], np.int32), "parameters": parameters,
         "lubrication": bytes_of(layouts["lubrication"], 2), "state": bytes_of(layouts["state"], 2),
         "history": bytes_of(kernel.history, 2), "finished": bytes_of(layouts["finished"], 4),
-        "body_room": values(30 * BODIES), "pair_room": np.ones(2, np.int32), "closing": 1.0, "threads": THREADS,
+        "body_room": values(32 * BODIES + 7), "pair_room": np.ones(4, np.int32), "closing": 1.0, "threads": THREADS,
         "time": 0.0, "h": 1e-3, "overlap_limit": 0.5, "first": 0, "last": 1,
     }  # fmt: skip
     written = ("position", "velocity", "angular_velocity", "rotation", *impulses, "state", "history", "finished",

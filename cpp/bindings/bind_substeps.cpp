@@ -75,10 +75,10 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
                                   contact_impulse.checked("contact_impulse", {n, 3})};
     const contacts::BodyRows bodies{body_room.checked("body_room", {-1}), actives,
                                     checked_bodies(active, "active", actives, n)};
-    rdpm::require(body_room.rows("body_room", {-1}) >= contacts::kBodyColumns * actives,
+    rdpm::require(body_room.rows("body_room", {-1}) >= contacts::kBodyRoom * actives + contacts::kRoomToAlign,
                   "body_room: too small");
     std::int32_t* wake = pair_room.checked("pair_room", {-1});
-    rdpm::require(pair_room.rows("pair_room", {-1}) >= selected, "pair_room: too small");
+    rdpm::require(pair_room.rows("pair_room", {-1}) >= 2 * selected, "pair_room: too small");
     const std::int32_t* row = checked_selection(rows, bands, selected, m);
     const std::int64_t kind_count =
         parameters.rows("parameters", {-1, static_cast<std::int64_t>(kernel.parameters.size)});
@@ -95,17 +95,17 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
         checked_rows<contacts::ContactState>(state, "state", m),
         checked_bytes(history, "history", m, kernel.history.size),
         selected};
-    contacts::SubstepTask task{bodies.arrays(),
+    contacts::SubstepTask task{{bodies.rows},
                                actives,
                                make_box(box),
                                rows_of_pairs,
                                row,
                                kind,
-                               reinterpret_cast<const contacts::Band*>(bands.checked("bands", {-1, 2})),
-                               {even_bands, band_count - even_bands},
+                               {},
                                wake,
+                               wake + selected,
                                0,
-                               closing,
+                               1 / (h * closing),
                                nullptr,
                                checked_rows<contacts::Finished>(finished, "finished", -1),
                                finished.rows("finished", {-1, sizeof(contacts::Finished)}),
@@ -115,12 +115,16 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
                                first,
                                last,
                                threads};
+    const auto* all_bands = reinterpret_cast<const contacts::Band*>(bands.checked("bands", {-1, 2}));
     double* all_turned = lubrication_angular_impulse.checked("lubrication_angular_impulse", {n, 3});
     nb::gil_scoped_release unlocked;
+    std::vector<contacts::Group> groups(static_cast<std::size_t>(band_count) + 2);
+    task.groups[0] = contacts::group_bodies(all_bands, even_bands, task.pairs.ids, actives, groups.data());
+    task.groups[1] = contacts::group_bodies(all_bands + even_bands, band_count - even_bands, task.pairs.ids,
+                                            actives, groups.data() + even_bands + 1);
     std::vector<double> turned(is_wet ? static_cast<std::size_t>(3 * actives) : 0);
     task.turned = turned.data();
-    bodies.take(all, h, threads);
-    task.acceleration = bodies.largest_difference();
+    task.acceleration = bodies.take(all, h, threads);
     for (std::int64_t k = 0; k < selected; ++k)
         wake[k] = rows_of_pairs.state[row[k]].phase == contacts::kApart ? 0 : contacts::kUnderWay;
     const contacts::Progress p = kernel.run(task);

@@ -47,33 +47,59 @@ def test_bench_prints_a_line_a_case(small_case, capsys) -> None:
     assert "us a marker" in lines[-1]
 
 
-def test_a_dry_bed_is_timed_beside_lammps(monkeypatch, capsys) -> None:
+@pytest.fixture
+def tiny_bed(monkeypatch: pytest.MonkeyPatch) -> str:
     monkeypatch.setattr(dry_bed, "BEDS", {"tiny": 4})
-    monkeypatch.setattr(dry_bed, "SECONDS", 0.0)
-    monkeypatch.setattr(dry_bed, "available_threads", lambda: 1)
     monkeypatch.setattr(bench, "BEDS", dry_bed.BEDS)
-    assert main(["bench", "tiny", "--json"]) == 0
-    (bed,) = json.loads(capsys.readouterr().out)["beds"]
-    rows = [row for row in bed["rows"] if row["program"] == "rdpm"]
-    assert [row["substeps_per_contact"] for row in rows] == [dry_bed.SUBSTEPS, dry_bed.FEWEST]
-    # The sub-steps here locate touch and end: an error of second order, from the fewest on below 0.1 %.
-    assert rows[0]["restitution_error"] < rows[1]["restitution_error"] < 1e-3
-    assert all(row["bodies"] == 64 and row["us"] > 0.0 for row in bed["rows"])
-    if bed["lammps"]:
-        assert bed["rows"][-1]["program"] == "LAMMPS"
-        assert bed["rows"][-1]["restitution_error"] > rows[1]["restitution_error"]
-
-
-def test_without_lammps_the_bed_is_timed_alone_and_says_so(monkeypatch) -> None:
-    monkeypatch.setattr(dry_bed, "BEDS", {"tiny": 3})
+    monkeypatch.setattr(dry_bed, "FEW", {10: 1, 32: 4})
+    monkeypatch.setattr(dry_bed, "FEW_LAMMPS", (28, 112))
     monkeypatch.setattr(dry_bed, "SECONDS", 0.0)
     monkeypatch.setattr(dry_bed, "available_threads", lambda: 1)
+    return "tiny"
+
+
+def test_a_dry_bed_is_timed_beside_lammps_at_equal_substep_and_at_equal_error(tiny_bed, capsys) -> None:
+    assert main(["bench", tiny_bed, "--quick", "--json"]) == 0
+    (bed,) = json.loads(capsys.readouterr().out)["beds"]
+    programs = ["rdpm", "LAMMPS"] if bed["lammps"] else ["rdpm"]
+    assert [row["program"] for row in bed["rows"]] == programs
+    assert all(row["substeps_per_contact"] == dry_bed.SUBSTEPS for row in bed["rows"])
+    assert all(row["bodies"] == 64 and row["us"] > 0.0 and row["cpu_us"] > 0.0 for row in bed["rows"])
+    assert bed["growth"] == []
+    errors = {(row["program"], row["substeps_per_contact"]): row for row in bed["errors"]}
+    assert all(0.0 < row["rms"] <= row["worst"] for row in errors.values())
+    # The sub-steps here locate touch and end: an error of second order, below 0.1 % from the fewest on.
+    assert errors["rdpm", 32]["worst"] < 0.2 * errors["rdpm", 10]["worst"] < 2e-4
+    assert {row["substeps_per_contact"] for row in bed["equal_error"] if row["program"] == "rdpm"} == {10}
+    if bed["lammps"]:
+        assert errors["LAMMPS", 112]["worst"] > errors["rdpm", 10]["worst"]
+        fewest = {row["error"]: row["substeps_per_contact"] for row in bed["equal_error"] if row["program"] == "LAMMPS"}
+        assert fewest == {0.01: 28, 0.002: 112}
+
+
+def test_a_dry_bed_is_printed_as_tables_and_its_growth_with_the_memory(tiny_bed, monkeypatch, capsys) -> None:
+    monkeypatch.setattr(dry_bed, "GROWTH", (3,))
+    monkeypatch.setattr(dry_bed, "find_lammps", lambda: None)
+    assert main(["bench", tiny_bed]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert {"at equal sub-step", "error of the restitution", "at equal error of the restitution"} < set(lines)
+    growth = lines[-1].split()
+    assert growth[:3] == ["rdpm", "27", "1"]
+    assert float(growth[-1]) >= 0.0
+
+
+def test_without_lammps_the_bed_is_timed_alone_and_says_so(tiny_bed, monkeypatch) -> None:
     monkeypatch.setattr(dry_bed, "find_lammps", lambda: None)
     told: list[str] = []
-    bed = dry_bed.dry_bed("tiny", told.append)
+    bed = dry_bed.dry_bed(tiny_bed, told.append, is_quick=True)
     assert not bed["lammps"]
     assert {row["program"] for row in bed["rows"]} == {"rdpm"}
     assert any("LAMMPS is not installed" in line for line in told)
+
+
+def test_quick_is_of_beds_alone(small_case, capsys) -> None:
+    assert main(["bench", small_case, "--quick"]) == 2
+    assert "bench --quick" in capsys.readouterr().err
 
 
 def test_ranks_are_timed_beside_one_in_turns(monkeypatch, capsys) -> None:

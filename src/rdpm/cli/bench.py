@@ -11,15 +11,22 @@ from rdpm.errors import CaseError
 __all__ = ["bench"]
 
 
-def bench(*names: str, json: Annotated[bool, Parameter(negative="")] = False) -> None:
+def bench(
+    *names: str,
+    quick: Annotated[bool, Parameter(negative="")] = False,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> None:
     """Measure the full coupled step, or dry contacts in a bed of spheres, and the memory bandwidth in one run.
 
     Parameters
     ----------
     names : str
         Cases to measure; those of the coupled step when left out. ``dry-bed``: 64,000 spheres, beside LAMMPS where it
-        is installed; ``dry-bed-million``: a million. ``ranks`` before them: on two MPI ranks, and on one with all
-        threads, in turns. Under ``mpiexec`` the ranks share each case.
+        is installed, at equal sub-step and at equal error of the restitution, and beds up to a million spheres.
+        ``ranks`` before cases: on two MPI ranks, and on one with all threads, in turns. Under ``mpiexec`` the ranks
+        share each case.
+    quick : bool
+        Of ``dry-bed``: 8000 spheres, and nothing of larger beds.
     json : bool
         Print JSON.
     """
@@ -36,6 +43,8 @@ def bench(*names: str, json: Annotated[bool, Parameter(negative="")] = False) ->
         if name not in CASES and (name not in BEDS or is_of_ranks):
             known = [*CASES] if is_of_ranks else [*CASES, *BEDS, "ranks"]
             raise CaseError("bench", name, f"must be one of {', '.join(known)}")
+    if quick and not set(names) & set(BEDS):
+        raise CaseError("bench --quick", True, f"is of {', '.join(BEDS)} alone", cure="Name it, or leave --quick out.")
     if is_of_ranks or any(name in BEDS for name in names):
         single("rdpm bench " + ("ranks" if is_of_ranks else "dry-bed"))
     if is_of_ranks:
@@ -45,7 +54,7 @@ def bench(*names: str, json: Annotated[bool, Parameter(negative="")] = False) ->
         return
     ranks = world()
     with guarding(ranks):
-        found = run(names, say if ranks.rank == 0 else None, ranks)
+        found = run(names, say if ranks.rank == 0 else None, ranks, quick)
     if ranks.rank == 0:
         _show(found, json)
 
@@ -89,15 +98,33 @@ def _print_ranks(cases: list[dict[str, Any]]) -> None:
 
 def _print_bed(bed: dict[str, Any]) -> None:
     print(
-        f"{bed['name']}\n{'program':8} {'bodies':>8} {'threads':>7} {'sub-steps/contact':>17} {'us/body/sub-step':>16} "
-        f"{'processor':>9} {'us/body/contact':>15} {'error of e':>10}"
+        f"{bed['name']}; us of a body: wall time, processor time\n\nat equal sub-step\n{'program':8} {'bodies':>8} "
+        f"{'cores':>5} {'sub-steps/contact':>17} {'a sub-step':>10} {'processor':>9}"
     )
     for row in bed["rows"]:
-        print(
-            f"{row['program']:8} {row['bodies']:>8} {row['threads']:>7} {row['substeps_per_contact']:>17} "
-            f"{row['us']:>16.4f} {row['cpu_us']:>9.4f} {row['us_per_contact_time']:>15.2f} "
-            f"{row['restitution_error']:>10.1e}"
-        )
+        print(f"{_begin(row)} {row['us']:>10.4f} {row['cpu_us']:>9.4f}")
+    print(f"\nerror of the restitution\n{'program':8} {'sub-steps/contact':>17} {'worst':>8} {'rms':>8}")
+    for row in bed["errors"]:
+        print(f"{row['program']:8} {row['substeps_per_contact']:>17} {row['worst']:>8.1e} {row['rms']:>8.1e}")
+    print(
+        f"\nat equal error of the restitution\n{'program':8} {'bodies':>8} {'cores':>5} {'sub-steps/contact':>17} "
+        f"{'a contact':>10} {'processor':>9}  error below"
+    )
+    for row in bed["equal_error"]:
+        times = f"{row['us_per_contact_time']:>10.2f} {row['cpu_us_per_contact_time']:>9.2f}"
+        print(f"{_begin(row)} {times}  {row['error']:g}")
+    if not bed["growth"]:
+        return
+    print(
+        f"\nwith the number of bodies\n{'program':8} {'bodies':>8} {'cores':>5} {'sub-steps/contact':>17} "
+        f"{'a sub-step':>10} {'processor':>9} {'B/body':>7}"
+    )
+    for row in bed["growth"]:
+        print(f"{_begin(row)} {row['us']:>10.4f} {row['cpu_us']:>9.4f} {row['bytes_per_body']:>7.0f}")
+
+
+def _begin(row: dict[str, Any]) -> str:
+    return f"{row['program']:8} {row['bodies']:>8} {row['threads']:>5} {row['substeps_per_contact']:>17}"
 
 
 def _print_cases(cases: list[dict[str, Any]]) -> None:

@@ -161,7 +161,10 @@ def _timed(simulation: Simulation, ranks: Ranks) -> dict[str, float]:
 
 
 def bench(
-    names: Iterable[str] = (), progress: Callable[[str], None] | None = None, ranks: Ranks = ALONE
+    names: Iterable[str] = (),
+    progress: Callable[[str], None] | None = None,
+    ranks: Ranks = ALONE,
+    is_quick: bool = False,
 ) -> dict[str, Any]:
     """Measure cases and the triad in one run.
 
@@ -173,6 +176,8 @@ def bench(
         Gets a line before each.
     ranks : Ranks
         That share each case; all call this.
+    is_quick : bool
+        Of beds: a small one alone.
 
     Returns
     -------
@@ -188,7 +193,7 @@ def bench(
     cases, beds = [], []
     for name in list(names) or CASES:
         if name in BEDS:
-            beds.append(dry_bed(name, tell))
+            beds.append(dry_bed(name, tell, is_quick))
             continue
         tell(name)
         cases.append(measure(name, bandwidth[CASES[name][1] or threads], ranks))

@@ -66,8 +66,9 @@ inline Geometry sphere_geometry(const Box& box, const double* xi, const double* 
     const double inverse = distance > 0 ? 1 / distance : 0;
     for (double& c : g.n) c *= inverse;
     g.overlap = ai + aj - distance;
-    g.lever_i = distance * ai / (ai + aj);
-    g.lever_j = distance * aj / (ai + aj);
+    const double share = distance / (ai + aj);
+    g.lever_i = share * ai;
+    g.lever_j = share * aj;
     return g;
 }
 

@@ -8,22 +8,20 @@ namespace rdpm::contacts {
 // Angular impulse of a pair against its relative rotation, applied to both bodies: equal and opposite, so
 // that angular momentum is kept. Returns its work.
 template <RotationLaw Law, class Partners>
-double resist_rotation(const BodyArrays& b, const Partners& p, const double* n,
+double resist_rotation(const BodyBlock& b, const Partners& p, const double* n,
                        const typename Law::Parameters& law, const Window& w, double h, double normal) {
     const double inverse_moment = p.inverse_moment_i + p.inverse_moment_j;
     if (inverse_moment == 0) return 0;
     double turn[3], impulse[3];
-    for (int d = 0; d < 3; ++d) {
-        const std::int64_t at = 3 * p.i + d;
-        turn[d] = b.w[at] - 0.5 * b.dw[at] - (p.wj[d] - 0.5 * p.dw_j[d]);
-    }
+    const double *wi = b.spin_of(p.i), *dw = b.spin_gain_of(p.i);
+    for (int d = 0; d < 3; ++d) turn[d] = wi[d] - 0.5 * dw[d] - (p.wj[d] - 0.5 * p.dw_j[d]);
     Law::angular_impulse(law, w, n, turn, inverse_moment, h, normal, impulse);
     for (int d = 0; d < 3; ++d) {
-        b.w[3 * p.i + d] -= impulse[d] * p.inverse_moment_i;
-        b.angular_impulse[3 * p.i + d] -= impulse[d];
+        b.spin_of(p.i)[d] -= impulse[d] * p.inverse_moment_i;
+        b.angular_impulse_of(p.i)[d] -= impulse[d];
         if (p.j < 0) continue;
-        b.w[3 * p.j + d] += impulse[d] * p.inverse_moment_j;
-        b.angular_impulse[3 * p.j + d] += impulse[d];
+        b.spin_of(p.j)[d] += impulse[d] * p.inverse_moment_j;
+        b.angular_impulse_of(p.j)[d] += impulse[d];
     }
     return 0.5 * inverse_moment * dot(impulse, impulse) - dot(impulse, turn);
 }

@@ -56,15 +56,15 @@ struct SoftSphere {
         const double duration = h * w.share();
         double* xi = history.xi;
         // The spring turns with the pair: back into the tangent plane, its length kept.
-        const double along = dot(xi, n), length = std::sqrt(dot(xi, xi));
+        const double along = dot(xi, n), length = dot(xi, xi);
         double plane[3], mid[3];
         for (int d = 0; d < 3; ++d) plane[d] = xi[d] - along * n[d];
-        const double flat = std::sqrt(dot(plane, plane));
-        const double keep = flat > 0 ? length / flat : 0;
+        const double flat = dot(plane, plane);
+        const double keep = flat > 0 ? std::sqrt(length / flat) : 0;
+        const double weight = duration / (1 + 0.5 * duration * p.eta_t * inverse_mass);
         for (int d = 0; d < 3; ++d) {
             mid[d] = keep * plane[d] + 0.5 * duration * slip[d];
-            impulse[d] = duration * (p.k_t * mid[d] + p.eta_t * slip[d]) /
-                         (1 + 0.5 * duration * p.eta_t * inverse_mass);
+            impulse[d] = weight * (p.k_t * mid[d] + p.eta_t * slip[d]);
         }
         const double stick = std::sqrt(dot(impulse, impulse)), limit = p.mu * std::max(normal, 0.0);
         if (stick <= limit) {
@@ -73,9 +73,10 @@ struct SoftSphere {
             return;
         }
         // Sliding: the spring keeps what the limit leaves it, and never more than it had.
+        const double inverse_stick = 1 / stick;
         double speed = 0;
         for (int d = 0; d < 3; ++d) {
-            const double unit = impulse[d] / stick;
+            const double unit = impulse[d] * inverse_stick;
             impulse[d] = limit * unit;
             speed += unit * (slip[d] - impulse[d] * inverse_mass);
             xi[d] = unit;

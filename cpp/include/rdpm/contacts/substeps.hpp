@@ -19,22 +19,24 @@ struct Partners {
     const double *vj, *wj, *dv_j, *dw_j;
 };
 
-inline Partners partners_of(const BodyArrays& b, const Box& box, std::int64_t i, std::int64_t j) {
+template <class Bodies>
+Partners partners_of(const Bodies& b, const Box& box, std::int64_t i, std::int64_t j) {
     static constexpr double none[3] = {0, 0, 0};
-    Partners p{i,    j,   b.inverse_mass[i], 0, b.inverse_moment[i], 0, 2 * b.radius[i], nullptr, none,
-               none, none};
+    Partners p{
+        i,    j,   b.inverse_mass_of(i), 0, b.inverse_moment_of(i), 0, 2 * b.radius_of(i), nullptr, none,
+        none, none};
     if (j < 0) {
         const int wall = static_cast<int>(-1 - j);
         p.vj = wall_velocity(box, wall);
         if (wall >= kFirstInner) p.wj = box.walls[wall - kFirstInner].angular_velocity;
     } else {
-        p.inverse_mass_j = b.inverse_mass[j];
-        p.inverse_moment_j = b.inverse_moment[j];
-        p.smaller_diameter = 2 * std::min(b.radius[i], b.radius[j]);
-        p.vj = b.v + 3 * j;
-        p.wj = b.w + 3 * j;
-        p.dv_j = b.dv + 3 * j;
-        p.dw_j = b.dw + 3 * j;
+        p.inverse_mass_j = b.inverse_mass_of(j);
+        p.inverse_moment_j = b.inverse_moment_of(j);
+        p.smaller_diameter = 2 * std::min(b.radius_of(i), b.radius_of(j));
+        p.vj = b.velocity_of(j);
+        p.wj = b.spin_of(j);
+        p.dv_j = b.gain_of(j);
+        p.dw_j = b.spin_gain_of(j);
     }
     return p;
 }
@@ -78,9 +80,10 @@ inline double inverse_tangential_mass(const Partners& p, const Geometry& g, doub
 
 // Tangential velocity of the surfaces against each other at the contact point, with half of this sub-step's
 // increments; u_mid is the normal part.
-inline void slip_velocity(const BodyArrays& b, const Partners& p, const Geometry& g, double u_mid,
+inline void slip_velocity(const BodyBlock& b, const Partners& p, const Geometry& g, double u_mid,
                           double* slip) {
-    const double *vi = b.v + 3 * p.i, *wi = b.w + 3 * p.i, *dv = b.dv + 3 * p.i, *dw = b.dw + 3 * p.i;
+    const double *vi = b.velocity_of(p.i), *wi = b.spin_of(p.i), *dv = b.gain_of(p.i),
+                 *dw = b.spin_gain_of(p.i);
     double roll[3];
     const bool is_reversed = p.j >= 0 && points_up(g.n);
     const double first = is_reversed ? g.lever_j : g.lever_i, last = is_reversed ? g.lever_i : g.lever_j;
@@ -95,37 +98,41 @@ inline void slip_velocity(const BodyArrays& b, const Partners& p, const Geometry
     }
 }
 
-inline void apply(const BodyArrays& b, const Partners& p, const Geometry& g, const Impulses& normal,
-                  const double* tangential) {
+template <class Bodies>
+void apply(const Bodies& b, const Partners& p, const Geometry& g, const Impulses& normal,
+           const double* tangential) {
+    double contact[3], all[3], twist[3];
     for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, f = (d + 2) % 3;
-        const double contact = -normal.contact * g.n[d] - tangential[d];
-        const double all = contact - normal.lubrication * g.n[d];
-        const double twist = -(g.n[e] * tangential[f] - g.n[f] * tangential[e]);
-        const std::int64_t at_i = 3 * p.i + d, at_j = 3 * p.j + d;
-        b.v[at_i] += all * p.inverse_mass_i;
-        b.w[at_i] += g.lever_i * twist * p.inverse_moment_i;
-        b.impulse[at_i] += all;
-        b.angular_impulse[at_i] += g.lever_i * twist;
-        b.contact_impulse[at_i] += contact;
-        if (p.j < 0) continue;
-        b.v[at_j] -= all * p.inverse_mass_j;
-        b.w[at_j] += g.lever_j * twist * p.inverse_moment_j;
-        b.impulse[at_j] -= all;
-        b.angular_impulse[at_j] += g.lever_j * twist;
-        b.contact_impulse[at_j] -= contact;
+        contact[d] = -normal.contact * g.n[d] - tangential[d];
+        all[d] = contact[d] - normal.lubrication * g.n[d];
+        twist[d] = -(g.n[e] * tangential[f] - g.n[f] * tangential[e]);
     }
+    const auto add = [&](std::int64_t id, double sign, double inverse_mass, double inverse_moment,
+                         double lever) {
+        double *v = b.velocity_of(id), *w = b.spin_of(id), *impulse = b.impulse_of(id);
+        double *angular = b.angular_impulse_of(id), *by_contact = b.contact_impulse_of(id);
+        for (int d = 0; d < 3; ++d) {
+            v[d] += sign * all[d] * inverse_mass;
+            w[d] += lever * twist[d] * inverse_moment;
+            impulse[d] += sign * all[d];
+            angular[d] += lever * twist[d];
+            by_contact[d] += sign * contact[d];
+        }
+    };
+    add(p.i, 1, p.inverse_mass_i, p.inverse_moment_i, g.lever_i);
+    if (p.j >= 0) add(p.j, -1, p.inverse_mass_j, p.inverse_moment_j, g.lever_j);
 }
 
 // Slip and roll of a pair, before what acts along its normal. Not inlined: a pair without lubrication is then
 // compiled to the same arithmetic as if there were none.
 [[gnu::noinline]] inline void lubricate_slip_and_roll(const SubstepTask& task, const std::int32_t* id,
                                                       const LubricationRow& row) {
-    const BodyArrays& b = task.bodies;
+    const BodyBlock& b = task.bodies;
     const Partners p = partners_of(b, task.box, id[0], id[1]);
-    const double *xi = b.x + 3 * p.i, ai = b.radius[p.i];
+    const double *xi = b.position_of(p.i), ai = b.radius_of(p.i);
     const Geometry g = p.j < 0 ? wall_geometry(task.box, xi, ai, static_cast<int>(-1 - p.j))
-                               : sphere_geometry(task.box, xi, b.x + 3 * p.j, ai, b.radius[p.j]);
+                               : sphere_geometry(task.box, xi, b.position_of(p.j), ai, b.radius_of(p.j));
     lubricate_tangentially(b, task.box, p, g, row, task.h, task.turned);
 }
 
@@ -146,16 +153,18 @@ template <ContactLaw Law>
 bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::Parameters& row,
                 const LubricationRow* lubrication, ContactState& s, typename Law::History& history, double t,
                 Progress& progress) {
-    const BodyArrays& b = task.bodies;
+    const BodyBlock& b = task.bodies;
     const double h = task.h;
     const Geometry g =
-        p.j < 0 ? wall_geometry(task.box, b.x + 3 * p.i, b.radius[p.i], static_cast<int>(-1 - p.j))
-                : sphere_geometry(task.box, b.x + 3 * p.i, b.x + 3 * p.j, b.radius[p.i], b.radius[p.j]);
+        p.j < 0 ? wall_geometry(task.box, b.position_of(p.i), b.radius_of(p.i), static_cast<int>(-1 - p.j))
+                : sphere_geometry(task.box, b.position_of(p.i), b.position_of(p.j), b.radius_of(p.i),
+                                  b.radius_of(p.j));
     progress.min_gap = std::min(progress.min_gap, -g.overlap);
     double u = 0, acceleration = 0;  // rotation has no part along the normal
+    const double *vi = b.velocity_of(p.i), *dv_i = b.gain_of(p.i);
     for (int d = 0; d < 3; ++d) {
-        u += (b.v[3 * p.i + d] - p.vj[d]) * g.n[d];
-        acceleration += (b.dv[3 * p.i + d] - p.dv_j[d]) * g.n[d];
+        u += (vi[d] - p.vj[d]) * g.n[d];
+        acceleration += (dv_i[d] - p.dv_j[d]) * g.n[d];
     }
     const double u_mid = u - 0.5 * acceleration;
     const double lambda = lubrication ? lubrication->mean_resistance(-g.overlap, 0.5 * h * u_mid) : 0;
@@ -193,52 +202,64 @@ bool visit_pair(const SubstepTask& task, const Partners& p, const typename Law::
     s.work += work;
     const double end = g.overlap + 0.5 * h * (u - change);
     s.overlap = end;
-    s.max_overlap = std::max({s.max_overlap, g.overlap / p.smaller_diameter, end / p.smaller_diameter});
+    s.max_overlap = std::max(s.max_overlap, std::max(g.overlap, end) / p.smaller_diameter);
     progress.max_overlap = std::max(progress.max_overlap, s.max_overlap);
     return s.phase == kEnded && end <= 0;
 }
 
 // Sub-steps, this one first, in which a pair stays apart; 0 where it may touch in this one: gap < h |rate| /
-// 2, told without a root or a quotient, a little on the safe side. `smallest`: gap that is to be known where
-// one is smaller.
+// 2, told without a root or a quotient, a little on the safe side. `smallest`: lowered to the gap.
 inline std::int32_t clear_substeps(const SubstepTask& task, const std::int32_t* id, double& smallest) {
-    const BodyArrays& b = task.bodies;
-    const std::int64_t i = id[0], j = id[1];
+    const BodyRow &one = task.bodies.rows[id[0]], &other = task.bodies.rows[id[1]];
     double r[3];
-    nearest_image(task.box, b.x + 3 * i, b.x + 3 * j, r);
-    const double square = dot(r, r), sum = b.radius[i] + b.radius[j], reach = sum + smallest;
-    if (!(square > (1 + 1e-12) * sum * sum)) return 0;
+    nearest_image(task.box, one.x, other.x, r);
+    const double square = dot(r, r), sum = one.radius + other.radius;
     double approach = 0;
-    for (int d = 0; d < 3; ++d) approach += r[d] * (b.v[3 * i + d] - b.v[3 * j + d]);
+    for (int d = 0; d < 3; ++d) approach += r[d] * (one.v[d] - other.v[d]);
     const double room = (square - (1 + 1e-12) * sum * sum) * sum;
-    if (!(room >= task.h * (std::abs(approach) * sum + 0.5 * task.acceleration * square))) return 0;
-    const bool is_smaller = reach > 0 && square < (1 + 1e-12) * reach * reach;
-    if (!is_smaller && task.pairs.count < kFewPairs) return 1;
-    const double gap = std::sqrt(square) - sum, step = task.h * task.closing;
-    if (is_smaller) smallest = std::min(smallest, gap);
-    return task.pairs.count < kFewPairs || !(gap >= step)
-               ? 1
-               : static_cast<std::int32_t>(std::min(gap / step, 1e6));
+    if (!(room > 0 && room >= task.h * (std::abs(approach) * sum + 0.5 * task.acceleration * square)))
+        return 0;
+    const double gap = std::sqrt(square) - sum;
+    smallest = std::min(smallest, gap);
+    if (task.pairs.count < kFewPairs) return 1;
+    return static_cast<std::int32_t>(std::clamp(gap * task.inverse_closing, 1.0, 1e6));
 }
 
-// What the threads of a sub-step share.
+// What the threads share. `failed`: sub-step and pair, as the key of the earliest one, the last of its pairs.
 struct Shared {
     std::int64_t finished, failed;
+    bool goes_on;
 };
+inline constexpr std::int64_t kNoFailure = std::numeric_limits<std::int64_t>::max();
+inline constexpr std::int64_t kLowHalf = 0xffffffff;
 
+// Pairs of the band that are looked at in this sub-step, in their order.
+inline std::int64_t list_due(const SubstepTask& task, const Band& band, std::int64_t substep) {
+    std::int32_t* due = task.due + band.from;
+    std::int64_t count = 0;
+    for (std::int32_t at = band.from; at < band.to; ++at) {
+        due[count] = at;
+        count += task.wake[at] <= substep;
+    }
+    return count;
+}
+
+// Returns whether no pair has passed the overlap limit.
 template <ContactLaw Law>
-void visit_band(const SubstepTask& task, const Band& band, std::int64_t substep, Progress& mine,
+bool visit_band(const SubstepTask& task, const Band& band, std::int64_t substep, Progress& mine,
                 Shared& shared) {
+    bool is_sound = true;
     const PairArrays& pairs = task.pairs;
     const auto* laws = static_cast<const typename Law::Parameters*>(pairs.parameters);
     auto* histories = static_cast<typename Law::History*>(pairs.history);
     typename Law::History nothing{};
     const double t = task.time + static_cast<double>(substep) * task.h;
     const bool is_backwards = substep % 2 != 0;
-    for (std::int64_t n = 0; n < band.to - band.from; ++n) {
-        const std::int64_t at = is_backwards ? band.to - 1 - n : band.from + n;
+    const std::int64_t count = list_due(task, band, substep);
+    const std::int32_t* due = task.due + band.from;
+    for (std::int64_t n = 0; n < count; ++n) {
+        const std::int32_t at = due[is_backwards ? count - 1 - n : n];
         const std::int32_t* id = pairs.ids + 2 * at;
-        if (task.wake[at] > substep) continue;
         if constexpr (!DistantLaw<Law>)
             if (!pairs.lubrication && task.wake[at] != kUnderWay && id[1] >= 0)
                 if (const std::int32_t clear = clear_substeps(task, id, mine.min_gap); clear > 0) {
@@ -256,70 +277,96 @@ void visit_band(const SubstepTask& task, const Band& band, std::int64_t substep,
             std::int64_t place;
 #pragma omp atomic capture
             place = shared.finished++;
-            task.finished[place] = {row,   s.start, s.end, s.max_overlap, s.impact_speed, s.rebound_speed,
-                                    s.work};
+            task.finished[place] = {substep << 32 | row, s.start,         s.end, s.max_overlap,
+                                    s.impact_speed,      s.rebound_speed, s.work};
             s = ContactState{};
         }
         task.wake[at] = s.phase == kApart ? 0 : kUnderWay;
         if (s.overlap > task.overlap_limit * p.smaller_diameter) {
 #pragma omp critical(rdpm_overlap)
-            shared.failed = std::max(shared.failed, row);
+            shared.failed = std::min(shared.failed, substep << 32 | (kLowHalf - row));
+            is_sound = false;
+        }
+    }
+    return is_sound;
+}
+
+// Half a sub-step of drift, or two halves, between which nothing changes the velocities. Then the increments.
+inline void drift(const SubstepTask& task, std::int64_t first, std::int64_t last, bool is_twice,
+                  bool has_increments) {
+    const double half = 0.5 * task.h;
+    for (std::int64_t i = first; i < last; ++i) {
+        BodyRow& b = task.bodies.rows[i];
+        for (int d = 0; d < 3; ++d) {
+            double x = b.x[d] + half * b.v[d], rotation = b.rotation[d] + half * b.w[d];
+            if (is_twice) {
+                x += half * b.v[d];
+                rotation += half * b.w[d];
+            }
+            b.x[d] = x;
+            b.rotation[d] = rotation;
+            if (has_increments) {
+                b.v[d] += b.dv[d];
+                b.w[d] += b.dw[d];
+            }
         }
     }
 }
 
-// Half a sub-step of drift twice, or once; between them nothing changes the velocities. Then the increments.
-inline void drift(const SubstepTask& task, bool is_twice, bool has_increments) {
-    const BodyArrays& b = task.bodies;
-    const double half = 0.5 * task.h;
-#pragma omp for schedule(static)
-    for (std::int64_t c = 0; c < 3 * task.body_count; ++c) {
-        double x = b.x[c] + half * b.v[c], rotation = b.rotation[c] + half * b.w[c];
-        if (is_twice) {
-            x += half * b.v[c];
-            rotation += half * b.w[c];
-        }
-        b.x[c] = x;
-        b.rotation[c] = rotation;
-        if (has_increments) {
-            b.v[c] += b.dv[c];
-            b.w[c] += b.dw[c];
-        }
+// Calls visit(band, drifts) for every group of a colour, by any thread; drifts(...) moves its bodies.
+template <class Visit>
+void for_each_group(const SubstepTask& task, bool is_odd, Visit&& visit) {
+    const Groups& groups = task.groups[is_odd];
+#pragma omp for schedule(dynamic)
+    for (std::int64_t n = 0; n < groups.count; ++n) {
+        const Group& group = groups.rows[n];
+        visit(group.band, [&](bool is_twice, bool has_increments) {
+            drift(task, group.first, group.last, is_twice, has_increments);
+            if (n + 1 == groups.count) drift(task, 0, groups.wrapped, is_twice, has_increments);
+        });
     }
+}
+
+// Finished contacts in the order of their sub-steps, by pair, in odd sub-steps backwards.
+inline void sort_finished(Finished* finished, std::int64_t count) {
+    const auto key = [](const Finished& f) {
+        return (f.pair >> 32) % 2 ? f.pair ^ kLowHalf : f.pair;  // a pair is below 2^31
+    };
+    std::sort(finished, finished + count,
+              [&](const Finished& a, const Finished& b) { return key(a) < key(b); });
+    for (std::int64_t n = 0; n < count; ++n) finished[n].pair &= kLowHalf;
 }
 
 // Runs until the last sub-step, until `finished` might overflow, or until a pair passes the overlap limit.
 // Even bands, then odd ones, each from its first pair; odd sub-steps run all of it backwards: what the order
-// does then cancels to second order. Bands of one colour share no body, so any thread may take any of them.
+// does then cancels to second order. Bands of one colour share no body, so any thread may take any of them. A
+// sub-step ends with the colour that the next begins with: a group has its part of both and the drift between
+// them in one go, while its bodies are in the cache.
 template <ContactLaw Law>
 Progress run_substeps(const SubstepTask& task) {
     constexpr double none = std::numeric_limits<double>::infinity();
     Progress all{task.first, 0, -1, none, 0};
-    Shared shared{0, -1};
+    if (task.first >= task.last) return all;
+    Shared shared{0, kNoFailure, false};
 #pragma omp parallel num_threads(task.threads) if (task.threads > 1)
     {
         Progress mine{task.first, 0, -1, none, 0};
-        while (mine.next < task.last && shared.failed < 0 &&
-               task.capacity - shared.finished >= task.pairs.count) {
-            const std::int64_t before = shared.finished;
-            drift(task, mine.next > task.first, true);
-            for (int pass = 0; pass < 2; ++pass) {
-                const bool is_odd = (pass + mine.next) % 2 != 0;
-                const Band* bands = task.bands + (is_odd ? task.band_counts[0] : 0);
-#pragma omp for schedule(dynamic)
-                for (std::int64_t n = 0; n < task.band_counts[is_odd]; ++n)
-                    visit_band<Law>(task, bands[n], mine.next, mine, shared);
-            }
-            // In one order on any number of threads.
-            const bool is_backwards = mine.next % 2 != 0;
+        for_each_group(task, mine.next % 2 != 0, [&](const Band& band, auto&& drifts) {
+            drifts(false, true);
+            visit_band<Law>(task, band, mine.next, mine, shared);
+        });
+        for (bool goes_on = true; goes_on; ++mine.next) {
+            // Room for the end of this sub-step and for all of the next.
 #pragma omp single
-            std::sort(task.finished + before, task.finished + shared.finished,
-                      [&](const Finished& a, const Finished& b) {
-                          return is_backwards ? a.pair > b.pair : a.pair < b.pair;
-                      });
-            ++mine.next;
+            shared.goes_on = mine.next + 1 < task.last && shared.failed == kNoFailure &&
+                             task.capacity - shared.finished >= 3 * task.pairs.count;
+            goes_on = shared.goes_on;
+            for_each_group(task, mine.next % 2 == 0, [&](const Band& band, auto&& drifts) {
+                const bool is_sound = visit_band<Law>(task, band, mine.next, mine, shared);
+                drifts(goes_on, goes_on);
+                if (goes_on && is_sound) visit_band<Law>(task, band, mine.next + 1, mine, shared);
+            });
         }
-        if (mine.next > task.first) drift(task, false, false);
 #pragma omp critical(rdpm_progress)
         {
             all.next = mine.next;
@@ -328,7 +375,11 @@ Progress run_substeps(const SubstepTask& task) {
         }
     }
     all.finished = shared.finished;
-    all.failed = shared.failed;
+    sort_finished(task.finished, all.finished);
+    if (shared.failed != kNoFailure) {
+        all.failed = kLowHalf - (shared.failed & kLowHalf);
+        all.next = (shared.failed >> 32) + 1;
+    }
     return all;
 }
 

@@ -83,16 +83,16 @@ inline void tangential_impulses(double to_slip, double to_roll, double most, con
     }
 }
 
-// Linearly implicit, at the resistance in the middle of h; equations (3) to (8). `Pair` are the Partners of a
-// driver. `turned` gets the angular impulses, a row a body. The upper body comes first, so that the last bit
+// Linearly implicit, at the resistance in the middle of h; equations (3) to (8). `Bodies` and `Pair` are those
+// of a driver. `turned` gets the angular impulses, a row a body. The upper body comes first, so that the last bit
 // does not depend on which of them is i.
-template <class Pair>
-void lubricate_tangentially(const BodyArrays& b, const Box& box, const Pair& p, const Geometry& g,
+template <class Bodies, class Pair>
+void lubricate_tangentially(const Bodies& b, const Box& box, const Pair& p, const Geometry& g,
                             const LubricationRow& row, double h, double* turned) {
     const double to_slip = h * row.to_slip(-g.overlap), to_roll = h * row.to_roll(-g.overlap);
     if (to_slip == 0 && to_roll == 0) return;
     LubricatedPartner partners[2] = {
-        {p.i, p.inverse_mass_i, p.inverse_moment_i, g.lever_i, b.v + 3 * p.i, b.w + 3 * p.i},
+        {p.i, p.inverse_mass_i, p.inverse_moment_i, g.lever_i, b.velocity_of(p.i), b.spin_of(p.i)},
         {p.j, p.inverse_mass_j, p.inverse_moment_j, g.lever_j, p.vj, p.wj}};
     RollShares shares(box, g, p.j);
     double n[3] = {g.n[0], g.n[1], g.n[2]};
@@ -128,14 +128,15 @@ void lubricate_tangentially(const BodyArrays& b, const Box& box, const Pair& p, 
     for (int which = 0; which < 2; ++which) {
         const LubricatedPartner& s = partners[which];
         if (s.id < 0) continue;
+        double *v = b.velocity_of(s.id), *w = b.spin_of(s.id), *impulse = b.impulse_of(s.id),
+               *angular = b.angular_impulse_of(s.id), *lubricated = turned + 3 * s.id;
         for (int d = 0; d < 3; ++d) {
-            const std::int64_t c = 3 * s.id + d;
             const double force = which ? push[d] : -push[d], torque = -s.lever * twist[which][d];
-            b.v[c] += force * s.inverse_mass;
-            b.w[c] += torque * s.inverse_moment;
-            b.impulse[c] += force;
-            b.angular_impulse[c] += torque;
-            turned[c] += torque;
+            v[d] += force * s.inverse_mass;
+            w[d] += torque * s.inverse_moment;
+            impulse[d] += force;
+            angular[d] += torque;
+            lubricated[d] += torque;
         }
     }
 }
