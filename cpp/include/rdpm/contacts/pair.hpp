@@ -6,6 +6,15 @@
 
 namespace rdpm::contacts {
 
+// a b + c, rounded once where the machine can: the compiler is not left to choose which product it fuses.
+inline double multiply_add(double a, double b, double c) {
+#ifdef FP_FAST_FMA
+    return std::fma(a, b, c);
+#else
+    return a * b + c;
+#endif
+}
+
 // A wall within the box, as a row of the box's table; `direction`: the normal of a plane, towards the bodies,
 // or the axis of a cylinder, of unit length.
 struct InnerWall {

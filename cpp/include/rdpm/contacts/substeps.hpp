@@ -60,15 +60,6 @@ inline Impulses solve_normal(const NormalImpulse& law, bool acts, double lambda,
     return {contact, h * lambda * (u - contact * inverse_mass) / (1 + viscous)};
 }
 
-// a b + c, rounded once where the machine can: the compiler is not left to choose which product it fuses.
-inline double multiply_add(double a, double b, double c) {
-#ifdef FP_FAST_FMA
-    return std::fma(a, b, c);
-#else
-    return a * b + c;
-#endif
-}
-
 inline double inverse_tangential_mass(const Partners& p, const Geometry& g, double inverse_mass) {
     const bool is_reversed = p.j >= 0 && points_up(g.n);
     const double one = g.lever_i * g.lever_i, other = g.lever_j * g.lever_j;

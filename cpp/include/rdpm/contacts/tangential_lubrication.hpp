@@ -83,9 +83,9 @@ inline void tangential_impulses(double to_slip, double to_roll, double most, con
     }
 }
 
-// Linearly implicit, at the resistance in the middle of h; equations (3) to (8). `Bodies` and `Pair` are those
-// of a driver. `turned` gets the angular impulses, a row a body. The upper body comes first, so that the last bit
-// does not depend on which of them is i.
+// Linearly implicit, at the resistance in the middle of h; equations (3) to (8). `Bodies` and `Pair` are
+// those of a driver. `turned` gets the angular impulses, a row a body. The upper body comes first, so that
+// the last bit does not depend on which of them is i.
 template <class Bodies, class Pair>
 void lubricate_tangentially(const Bodies& b, const Box& box, const Pair& p, const Geometry& g,
                             const LubricationRow& row, double h, double* turned) {
