@@ -70,6 +70,10 @@ EDITS = (
         "(radius_i + other) / self.pair_radius) ** (2.0 / 3.0)", "(radius_i + other) / self.pair_radius) ** 0.0",
         "tests/unit/test_contact_step.py",
     ),
+    Edit(
+        "roll as resistant as slip", "contacts/tangential_lubrication.py", "SLIP, ROLL = 2.0, 6.0 / 5.0",
+        "SLIP, ROLL = 2.0, 2.0", "tests/analytic/test_tangential_lubrication.py",
+    ),
 )  # fmt: skip
 
 

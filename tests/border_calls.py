@@ -94,7 +94,7 @@ def substeps() -> Call:
     """One sub-step of two spheres that overlap and approach."""
     kernel, layouts = _core.soft_sphere_kernel(), _core.contact_layouts()
     of_bodies = ("velocity", "angular_velocity", "rotation", "force", "torque")
-    impulses = ("impulse", "angular_impulse", "contact_impulse")
+    impulses = ("impulse", "angular_impulse", "contact_impulse", "lubrication_angular_impulse")
     parameters = np.ones((2, kernel.parameters["size"] // 8)).view(np.uint8)
     arguments = {
         "kernel": kernel, **spheres(), **{name: values(BODIES, 3) for name in of_bodies + impulses},
@@ -117,7 +117,8 @@ def events() -> Call:
     layouts, hard = _core.contact_layouts(), _core.hard_sphere_layouts()
     given = substeps().arguments
     kept = ("box", "position", "radius", "velocity", "angular_velocity", "rotation", "impulse", "angular_impulse",
-            "contact_impulse", "inverse_mass", "inverse_moment", "active", "pairs", "lubrication", "state")  # fmt: skip
+            "contact_impulse", "lubrication_angular_impulse", "inverse_mass", "inverse_moment", "active", "pairs",
+            "lubrication", "state")  # fmt: skip
     arguments = {name: given[name] for name in kept} | {
         "acceleration": values(BODIES, 3), "angular_acceleration": values(BODIES, 3),
         "parameters": np.zeros((2, 3)).view(np.uint8), "history": bytes_of(hard["history"], 2),
@@ -125,7 +126,7 @@ def events() -> Call:
         "rest_speed": 0.0, "quiet": 1e-9, "most_events": 5, "is_new": True,
     }  # fmt: skip
     written = ("position", "velocity", "angular_velocity", "rotation", "impulse", "angular_impulse", "contact_impulse",
-               "state", "history", "finished", "events")  # fmt: skip
+               "lubrication_angular_impulse", "state", "history", "finished", "events")  # fmt: skip
     return Call(_core.run_events, arguments, written)
 
 
@@ -305,7 +306,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     ),
     "lubrication_resistance": lambda: Call(
         _core.lubrication_resistance,
-        {"gap": values(3), "resistance": values(3)}
+        {"gap": values(3), "resistance": values(3, 3)}
         | {"lubrication": bytes_of(_core.contact_layouts()["lubrication"], 1)},
         ("resistance",),
     ),

@@ -134,10 +134,11 @@ std::tuple<double, std::int64_t, std::int64_t, std::int64_t, std::int64_t> run_e
     const InOut<double>& angular_velocity, const InOut<double>& rotation, const Reals& acceleration,
     const Reals& angular_acceleration, const Reals& inverse_mass, const Reals& inverse_moment,
     const Reals& radius, const InOut<double>& impulse, const InOut<double>& angular_impulse,
-    const InOut<double>& contact_impulse, const In<std::int32_t>& active, const In<std::int32_t>& pairs,
-    const ConstBytes& parameters, const ConstBytes& lubrication, const Bytes& state, const Bytes& history,
-    const Bytes& finished, const InOut<std::int64_t>& events, double start, double length, double rest_speed,
-    double quiet, std::int64_t most_events, bool is_new) {
+    const InOut<double>& contact_impulse, const InOut<double>& lubrication_angular_impulse,
+    const In<std::int32_t>& active, const In<std::int32_t>& pairs, const ConstBytes& parameters,
+    const ConstBytes& lubrication, const Bytes& state, const Bytes& history, const Bytes& finished,
+    const InOut<std::int64_t>& events, double start, double length, double rest_speed, double quiet,
+    std::int64_t most_events, bool is_new) {
     const auto n = position.rows("position", {-1, 3});
     const auto m = pairs.rows("pairs", {-1, 2});
     const auto actives = active.rows("active", {-1});
@@ -159,6 +160,7 @@ std::tuple<double, std::int64_t, std::int64_t, std::int64_t, std::int64_t> run_e
     std::int64_t* counts = events.checked("events", {m});
     rdpm::require(capacity > m + 2, "finished: needs three rows more than there are pairs");
     const contacts::Box b = make_box(box);
+    double* turned = lubrication_angular_impulse.checked("lubrication_angular_impulse", {n, 3});
     nb::gil_scoped_release unlocked;
     const Incidence incidence(ids, m, n);
     const auto size = static_cast<std::size_t>(m), count = static_cast<std::size_t>(n);
@@ -191,6 +193,7 @@ std::tuple<double, std::int64_t, std::int64_t, std::int64_t, std::int64_t> run_e
                                    rest_speed,
                                    quiet,
                                    most_events,
+                                   turned,
                                    is_new};
     const contacts::Events e = contacts::EventLoop(task).run();
     return {e.reached, e.finished, e.collisions, e.rested, e.capped};
@@ -210,13 +213,18 @@ std::tuple<double, double, std::int64_t> separate(const Reals& box, const InOut<
     return {gaps.smallest, gaps.largest_overlap, gaps.deepest};
 }
 
+// Of approach, slip and roll.
 void lubrication_resistance(const Reals& gap, const ConstBytes& lubrication,
                             const InOut<double>& resistance) {
     const std::int64_t n = gap.rows("gap", {-1});
     const double* g = gap.checked("gap", {n});
-    double* out = resistance.checked("resistance", {n});
+    double* out = resistance.checked("resistance", {n, 3});
     const auto* row = checked_rows<contacts::LubricationRow>(lubrication, "lubrication", 1);
-    for (std::int64_t k = 0; k < n; ++k) out[k] = row->resistance(g[k]);
+    for (std::int64_t k = 0; k < n; ++k) {
+        out[3 * k] = row->resistance(g[k]);
+        out[3 * k + 1] = row->to_slip(g[k]);
+        out[3 * k + 2] = row->to_roll(g[k]);
+    }
 }
 
 }  // namespace
@@ -239,10 +247,10 @@ void bind_contacts(nb::module_& module) {
                nb::arg("angular_velocity"), nb::arg("rotation"), nb::arg("acceleration"),
                nb::arg("angular_acceleration"), nb::arg("inverse_mass"), nb::arg("inverse_moment"),
                nb::arg("radius"), nb::arg("impulse"), nb::arg("angular_impulse"), nb::arg("contact_impulse"),
-               nb::arg("active"), nb::arg("pairs"), nb::arg("parameters"), nb::arg("lubrication"),
-               nb::arg("state"), nb::arg("history"), nb::arg("finished"), nb::arg("events"), nb::arg("start"),
-               nb::arg("length"), nb::arg("rest_speed"), nb::arg("quiet"), nb::arg("most_events"),
-               nb::arg("is_new"));
+               nb::arg("lubrication_angular_impulse"), nb::arg("active"), nb::arg("pairs"),
+               nb::arg("parameters"), nb::arg("lubrication"), nb::arg("state"), nb::arg("history"),
+               nb::arg("finished"), nb::arg("events"), nb::arg("start"), nb::arg("length"),
+               nb::arg("rest_speed"), nb::arg("quiet"), nb::arg("most_events"), nb::arg("is_new"));
     module.def("separate", &separate, nb::arg("box"), nb::arg("position"), nb::arg("inverse_mass"),
                nb::arg("radius"), nb::arg("pairs"));
     module.def("lubrication_resistance", &lubrication_resistance, nb::arg("gap"), nb::arg("lubrication"),

@@ -50,12 +50,13 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
     const InOut<double>& velocity, const InOut<double>& angular_velocity, const InOut<double>& rotation,
     const Reals& force, const Reals& torque, const Reals& inverse_mass, const Reals& inverse_moment,
     const Reals& radius, const InOut<double>& impulse, const InOut<double>& angular_impulse,
-    const InOut<double>& contact_impulse, const In<std::int32_t>& active, const In<std::int32_t>& pairs,
-    const In<std::int32_t>& rows, const In<std::int32_t>& bands, std::int64_t even_bands,
-    const In<std::int32_t>& kinds, const ConstBytes& parameters, const ConstBytes& lubrication,
-    const Bytes& state, const Bytes& history, const Bytes& finished, const InOut<double>& body_room,
-    const InOut<std::int32_t>& pair_room, double closing, double time, double h, double overlap_limit,
-    std::int64_t first, std::int64_t last, int threads) {
+    const InOut<double>& contact_impulse, const InOut<double>& lubrication_angular_impulse,
+    const In<std::int32_t>& active, const In<std::int32_t>& pairs, const In<std::int32_t>& rows,
+    const In<std::int32_t>& bands, std::int64_t even_bands, const In<std::int32_t>& kinds,
+    const ConstBytes& parameters, const ConstBytes& lubrication, const Bytes& state, const Bytes& history,
+    const Bytes& finished, const InOut<double>& body_room, const InOut<std::int32_t>& pair_room,
+    double closing, double time, double h, double overlap_limit, std::int64_t first, std::int64_t last,
+    int threads) {
     const auto n = position.rows("position", {-1, 3});
     const auto m = state.rows("state", {-1, sizeof(contacts::ContactState)});
     const auto actives = active.rows("active", {-1}), selected = pairs.rows("pairs", {-1, 2});
@@ -105,6 +106,7 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
                                wake + selected,
                                0,
                                1 / (h * closing),
+                               nullptr,
                                checked_rows<contacts::Finished>(finished, "finished", -1),
                                finished.rows("finished", {-1, sizeof(contacts::Finished)}),
                                time,
@@ -114,16 +116,20 @@ std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double> run_substep
                                last,
                                threads};
     const auto* all_bands = reinterpret_cast<const contacts::Band*>(bands.checked("bands", {-1, 2}));
+    double* all_turned = lubrication_angular_impulse.checked("lubrication_angular_impulse", {n, 3});
     nb::gil_scoped_release unlocked;
     std::vector<contacts::Group> groups(static_cast<std::size_t>(band_count) + 2);
     task.groups[0] = contacts::group_bodies(all_bands, even_bands, task.pairs.ids, actives, groups.data());
     task.groups[1] = contacts::group_bodies(all_bands + even_bands, band_count - even_bands, task.pairs.ids,
                                             actives, groups.data() + even_bands + 1);
+    std::vector<double> turned(is_wet ? static_cast<std::size_t>(3 * actives) : 0);
+    task.turned = turned.data();
     task.acceleration = bodies.take(all, h, threads);
     for (std::int64_t k = 0; k < selected; ++k)
         wake[k] = rows_of_pairs.state[row[k]].phase == contacts::kApart ? 0 : contacts::kUnderWay;
     const contacts::Progress p = kernel.run(task);
     bodies.give(all, threads);
+    for (std::size_t c = 0; c < turned.size(); ++c) all_turned[3L * bodies.ids[c / 3] + c % 3] += turned[c];
     return {p.next, p.finished, p.failed, p.min_gap, p.max_overlap};
 }
 
@@ -184,12 +190,12 @@ void bind_substeps(nb::module_& module) {
     module.def("run_substeps", &run_substeps, nb::arg("kernel"), nb::arg("box"), nb::arg("position"),
                nb::arg("velocity"), nb::arg("angular_velocity"), nb::arg("rotation"), nb::arg("force"),
                nb::arg("torque"), nb::arg("inverse_mass"), nb::arg("inverse_moment"), nb::arg("radius"),
-               nb::arg("impulse"), nb::arg("angular_impulse"), nb::arg("contact_impulse"), nb::arg("active"),
-               nb::arg("pairs"), nb::arg("rows"), nb::arg("bands"), nb::arg("even_bands"), nb::arg("kinds"),
-               nb::arg("parameters"), nb::arg("lubrication"), nb::arg("state"), nb::arg("history"),
-               nb::arg("finished"), nb::arg("body_room"), nb::arg("pair_room"), nb::arg("closing"),
-               nb::arg("time"), nb::arg("h"), nb::arg("overlap_limit"), nb::arg("first"), nb::arg("last"),
-               nb::arg("threads"));
+               nb::arg("impulse"), nb::arg("angular_impulse"), nb::arg("contact_impulse"),
+               nb::arg("lubrication_angular_impulse"), nb::arg("active"), nb::arg("pairs"), nb::arg("rows"),
+               nb::arg("bands"), nb::arg("even_bands"), nb::arg("kinds"), nb::arg("parameters"),
+               nb::arg("lubrication"), nb::arg("state"), nb::arg("history"), nb::arg("finished"),
+               nb::arg("body_room"), nb::arg("pair_room"), nb::arg("closing"), nb::arg("time"), nb::arg("h"),
+               nb::arg("overlap_limit"), nb::arg("first"), nb::arg("last"), nb::arg("threads"));
     module.def("end_step", &end_step, nb::arg("box"), nb::arg("position"), nb::arg("velocity"),
                nb::arg("angular_velocity"), nb::arg("orientation"), nb::arg("crossings"), nb::arg("rotation"),
                nb::arg("force"), nb::arg("torque"), nb::arg("inverse_mass"), nb::arg("inverse_moment"),

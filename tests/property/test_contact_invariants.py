@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rdpm.contacts import Contacts, Lubrication, SoftSphere
+from rdpm.contacts import Contacts, Lubrication, SoftSphere, TangentialLubrication
 from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
@@ -17,6 +17,8 @@ SPEED = 0.25  # largest of a cloud
 # test_contact_laws.py).
 ORDER_ERROR = 0.03
 ENDLESS = Box((1.0, 1.0, 1.0), ("periodic",) * 3)
+GAPS = (2e-3, 1e-3)
+TANGENTIAL = TangentialLubrication(GAPS, GAPS, GAPS, 0.5 * DIAMETER)
 CLOSED = Box((0.045, 0.045, 0.045))
 
 
@@ -58,7 +60,8 @@ def test_momentum_and_angular_momentum_are_kept(seed, ending, wet):
     bodies = cloud(seed)
     scale = float(np.sum(bodies.mass[:, None] * np.abs(bodies.velocity)))
     linear, angular = momenta(bodies)
-    _, steps = run(bodies, ENDLESS, 40, ending=ending, lubrication=Lubrication(1e-3, 2e-3) if wet else None)
+    lubrication = Lubrication(1e-3, 2e-3, tangential=TANGENTIAL) if wet else None
+    _, steps = run(bodies, ENDLESS, 40, ending=ending, lubrication=lubrication)
     assert sum(step.touching for step in steps) > 0
     after, angular_after = momenta(bodies)
     # Round-off of some thousands of impulses.
@@ -76,7 +79,7 @@ def test_momentum_and_angular_momentum_are_kept(seed, ending, wet):
 def test_energy_never_grows(seed, restitution, friction, ending, viscosity):
     bodies = cloud(seed, middle=0.0225)
     start = kinetic_energy(bodies)
-    lubrication = None if viscosity is None else Lubrication(viscosity, 2e-3)
+    lubrication = None if viscosity is None else Lubrication(viscosity, 2e-3, tangential=TANGENTIAL)
     contacts, _ = run(bodies, CLOSED, 150, restitution, friction, ending, lubrication)
     # Springs under load hold what is missing; theirs is exact to second order of the sub-step.
     assert kinetic_energy(bodies) <= (1.0 + 2e-3) * start
@@ -116,7 +119,7 @@ def test_a_shift_through_the_periodic_seam_changes_nothing(seed, shift):
 
 @pytest.mark.parametrize("wet", [False, True])
 def test_resumed_in_the_middle_of_contacts_is_bit_identical(wet):
-    lubrication = Lubrication(1e-3, 2e-3) if wet else None
+    lubrication = Lubrication(1e-3, 2e-3, tangential=TANGENTIAL) if wet else None
     law = SoftSphere.from_contact_time(0.6, CONTACT_TIME, friction=0.4)
     bodies = cloud(7, middle=0.0225)
     contacts, none = Contacts(bodies, CLOSED, law, lubrication), np.zeros((12, 3))

@@ -5,7 +5,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rdpm.contacts import Contacts, HardSphere, Hertz, Lubrication, Repulsive, SoftSphere, substeps
+from rdpm.contacts import (
+    Contacts,
+    HardSphere,
+    Hertz,
+    Lubrication,
+    Repulsive,
+    SoftSphere,
+    TangentialLubrication,
+    substeps,
+)
 from rdpm.contacts.neighbour_list import NeighbourList
 from rdpm.contacts.rows import STATE
 from rdpm.grid import Box
@@ -42,7 +51,9 @@ def bed(numbers: np.ndarray, sizes: tuple[float, float] = (0.8, 1.0), seed: int 
 def moved(law: str, numbers: np.ndarray, periodic: bool, steps: int, threads: int = 1) -> tuple[Bodies, Contacts]:
     bodies, length = bed(numbers)
     box = Box(tuple(length), ("periodic" if periodic else "wall",) * 3)
-    lubrication = Lubrication(1e-3, 0.05 * D) if "wet" in law else None
+    gaps = (0.05 * D, 0.02 * D)
+    tangential = TangentialLubrication(gaps, gaps, gaps, 0.5 * D)
+    lubrication = Lubrication(1e-3, 0.05 * D, tangential=tangential) if "wet" in law else None
     contacts = Contacts(bodies, box, LAWS[law], lubrication, overlap_limit=0.5, threads=threads)
     weight, none = bodies.mass[:, None] * [0.0, 0.0, -9.81], np.zeros_like(bodies.position)
     for step in range(steps):

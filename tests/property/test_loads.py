@@ -66,4 +66,12 @@ def test_loads_are_arrays_that_stay() -> None:
     sim.run(until=0.005)
     assert force is sim.bodies.hydrodynamic_force
     assert np.abs(force).max() > 0.0
-    assert not sim.bodies.lubrication_torque.any()  # it acts along the lines of centres
+    assert np.abs(sim.bodies.lubrication_torque).max() > 0.0  # one slips along the floor
+
+
+def test_lubrication_along_the_line_of_centres_alone_has_no_torque() -> None:
+    case = WET | {"contact": WET["contact"] | {"lubrication_tangential": False}}
+    sim = rdpm.Simulation(rdpm.load_case(case), threads=1)
+    sim.run(until=0.005)
+    assert np.abs(sim.bodies.lubrication_force).max() > 0.0
+    assert not sim.bodies.lubrication_torque.any()

@@ -14,6 +14,7 @@ from rdpm.setup.build import lubrication_correction
 from rdpm.studies.validation import CASES, Chart, Curve, Row, validate
 from rdpm.studies.validation.basset import basset_speed
 from rdpm.studies.validation.near_contact import lubrication_resistance, resolved_resistance
+from rdpm.studies.validation.near_contact_shear import QUANTITIES, TABLE, resolved_shear, tangential_resistance
 from rdpm.studies.validation.points import crossing, points
 from rdpm.studies.validation.rebound import peaks
 
@@ -36,7 +37,8 @@ def test_published_points_say_where_they_come_from():
     for table in tables:
         first = table.read_text("utf-8").splitlines()[0]
         assert first.startswith("# "), table.name
-        assert any(year in first + table.name for year in ("2012", "2011", "2002", "2000", "1999", "1961")), table.name
+        years = ("2012", "2011", "2002", "2000", "1999", "1964", "1961")
+        assert any(year in first + table.name for year in years), table.name
 
 
 def test_a_level_that_is_not_crossed_gives_nan():
@@ -72,6 +74,20 @@ def test_lubrication_is_what_the_grid_misses(pair, activation):
     other = np.inf if pair == "wall" else 4.0
     row = lubrication_correction(1.0, 1.0).rows(np.array([4.0]), np.array([other]))
     assert row["cutoff_gap"][0] == activation  # 8 cells a diameter
+
+
+@pytest.mark.parametrize("pair", QUANTITIES)
+def test_tangential_lubrication_is_what_the_grid_misses_of_slip_and_roll(pair):
+    """At 8 cells a diameter, from a twentieth of the radius down: forces and torques of shear and rotation."""
+    gap, _ = points(TABLE, "gap_over_a", "value", pair=pair, quantity=QUANTITIES[pair][0])
+    gaps = tuple(gap[gap < 0.06])
+    resolved, added = resolved_shear(pair, 8, gaps), tangential_resistance(pair, 8, gaps)
+    for name in QUANTITIES[pair]:
+        all_gaps, values = points(TABLE, "gap_over_a", "value", pair=pair, quantity=name)
+        reference = values[np.isin(all_gaps, gaps)]
+        np.testing.assert_allclose(resolved[name] + added[name], reference, rtol=0.15, err_msg=name)  # of the case
+        if name in ("rotation torque", "shear force", "rotation torque, alike", "rotation torque, opposite"):
+            assert resolved[name][-1] < 0.95 * reference[-1]  # there is something to add
 
 
 def test_a_chart_becomes_a_picture(tmp_path):

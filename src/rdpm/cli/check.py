@@ -58,7 +58,7 @@ def check(
     loaded = load_case(source, set_)
     from rdpm.setup import plan  # a case that is wrong is told before the solver is loaded
 
-    planned, of_ranks = plan(loaded, machines=ranks or None), None
+    planned, of_ranks = plan(loaded, machines=ranks) if ranks else plan(loaded), None
     if ranks:
         of_ranks = _on_ranks(planned, ranks, threads)
     if json:

@@ -127,6 +127,8 @@ class Contact(Model):
         Gap over radius below which the lubrication force no longer grows.
     lubrication_in_separation
         Whether lubrication also holds back surfaces that part; false where the liquid breaks instead of pulling.
+    lubrication_tangential
+        Whether lubrication also acts against slip and roll of close surfaces, besides their approach.
     overlap_warning
         Overlap over the smaller diameter above which a design or a run warns: deeper contacts disturb the flow.
     overlap_limit
@@ -171,6 +173,7 @@ class Contact(Model):
     lubrication: Annotated[StrictBool, LeftOut("true with a fluid")] = True
     lubrication_roughness: Annotated[float, Quantity("", gt=0.0, le=0.1)] = 1e-3
     lubrication_in_separation: StrictBool = True
+    lubrication_tangential: StrictBool = True
     overlap_warning: Annotated[float, Quantity("", gt=0.0, le=0.05)] = OVERLAP_WARNING
     overlap_limit: Annotated[float, Quantity("", gt=0.0, le=0.5)] = 0.2
     substeps: Annotated[int | None, Whole(1, 100_000), LeftOut("chosen from the contact time")] = None

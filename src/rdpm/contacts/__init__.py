@@ -19,6 +19,7 @@ from rdpm.contacts.repulsive import Repulsive
 from rdpm.contacts.rows import PAIR
 from rdpm.contacts.soft_sphere import SoftSphere
 from rdpm.contacts.substeps import SubstepDriver
+from rdpm.contacts.tangential_lubrication import TangentialLubrication
 
 __all__ = [
     "EPISODE",
@@ -37,5 +38,6 @@ __all__ = [
     "Repulsive",
     "SoftSphere",
     "SubstepDriver",
+    "TangentialLubrication",
     "nearest_gaps",
 ]

@@ -146,8 +146,8 @@ class Contacts:
         reach, is_new = self._list.update(force, inverse_mass, dt, margin)
         if is_new:
             self._table = self._table_of(self._list.ids)
-        impulses = np.zeros((3, n, 3))
-        step = ContactStep(impulses[0], impulses[1], impulses[2], np.zeros(n))
+        linear, angular, by_contact, by_lubrication = np.zeros((4, n, 3))
+        step = ContactStep(linear, angular, by_contact, by_lubrication, np.zeros(n))
         rotation, is_active = np.zeros((n, 3)), np.zeros(n, np.bool_)
         chosen = self._select(step, reach, is_new, dt)
         is_active[chosen.active] = True

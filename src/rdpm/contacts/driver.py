@@ -32,6 +32,8 @@ class ContactStep:
         Given to each body by contacts and lubrication, prescribed bodies included.
     contact_impulse : ndarray, (N, 3), [N s]
         The part of ``impulse`` that is contact.
+    lubrication_angular_impulse : ndarray, (N, 3), [N m s]
+        The part of ``angular_impulse`` that is lubrication.
     impact_speed : ndarray, (N,), [m/s]
         Largest speed at touch of the contacts that a body had in the step; 0 without.
     min_gap : float, [m]
@@ -49,6 +51,7 @@ class ContactStep:
     impulse: Floats
     angular_impulse: Floats
     contact_impulse: Floats
+    lubrication_angular_impulse: Floats
     impact_speed: Floats
     min_gap: float = inf
     max_overlap_fraction: float = 0.0
@@ -61,8 +64,13 @@ class ContactStep:
 
     @property
     def lubrication_impulse(self) -> Floats:
-        """The part of ``impulse`` that is lubrication, (N, 3) [N s]; it acts along the lines of centres: no torque."""
+        """The part of ``impulse`` that is lubrication, (N, 3) [N s]."""
         return self.impulse - self.contact_impulse
+
+    @property
+    def contact_angular_impulse(self) -> Floats:
+        """The part of ``angular_impulse`` that is contact, (N, 3) [N m s]."""
+        return self.angular_impulse - self.lubrication_angular_impulse
 
 
 @dataclass

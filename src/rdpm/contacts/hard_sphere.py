@@ -79,8 +79,8 @@ class EventDriver:
                 reached, count, collisions, rested, capped = _core.run_events(
                     task.box.table, b.position, b.velocity, b.angular_velocity, task.rotation, acceleration,
                     angular_acceleration, task.inverse_mass, task.inverse_moment, task.radius, step.impulse,
-                    step.angular_impulse, step.contact_impulse, task.selection.active, table.ids,
-                    as_bytes(table.parameters),
+                    step.angular_impulse, step.contact_impulse, step.lubrication_angular_impulse,
+                    task.selection.active, table.ids, as_bytes(table.parameters),
                     as_bytes(table.lubrication), as_bytes(table.state), as_bytes(table.history), as_bytes(finished),
                     events, task.time + start, end - start, self.rest_speed, quiet, self.most_events, is_new,
                 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Normal lubrication between close surfaces: the part that the grid does not resolve."""
+"""Lubrication between close surfaces: the part that the grid does not resolve."""
 
 from __future__ import annotations
 
@@ -11,17 +11,21 @@ from rdpm import _core
 from rdpm.errors import CaseError
 
 from .rows import Rows, as_bytes, check_layout
+from .tangential_lubrication import TangentialLubrication
 
 __all__ = ["LUBRICATION", "Lubrication"]
 
 Floats = NDArray[np.float64]
 
-LUBRICATION = np.dtype(
-    [(name, np.float64) for name in ("inverse", "log", "least_gap", "cutoff_gap", "touching_gap", "separation")]
-)
+_NORMAL = ("inverse", "log", "least_gap", "cutoff_gap", "touching_gap", "separation")
+_TANGENTIAL = (
+    "slip", "slip_cutoff_gap", "slip_touching_gap", "roll", "roll_cutoff_gap", "roll_touching_gap", "largest_rate",
+)  # fmt: skip
+LUBRICATION = np.dtype([(name, np.float64) for name in _NORMAL + _TANGENTIAL])
 """Coefficients of 1/gap [N s] and ln(1/gap) [N s/m] of a pair, the gap below which the resistance is constant, the
 cut-off, and the gap at which the grid resolves touching surfaces [m], the fraction that acts where the surfaces part;
-zeros: no lubrication."""
+coefficients of ln(1/gap) of slip and of roll, their gaps, the largest rate at which they are slowed [1/s]; zeros: no
+lubrication."""
 check_layout(LUBRICATION, _core.contact_layouts()["lubrication"], "lubrication")
 
 
@@ -34,7 +38,7 @@ class Lubrication:
     :math:`\beta\to\infty`. The grid resolves the flow between surfaces a little further apart,
     :math:`g_{res}=g_0+g(1-g_0/g_{cut})`: touching surfaces as if they were :math:`g_0` apart. The resistance is
     constant below the roughness and zero in overlap, where the solids carry the load: the overlap of a softened
-    contact is no gap. Tangential and rotational lubrication, logarithmic only, is left out.
+    contact is no gap.
 
     Parameters
     ----------
@@ -54,6 +58,8 @@ class Lubrication:
         when left out. > 0.
     separation : float, [-]
         Fraction of the resistance where the surfaces part, 0 to 1: 0 where the liquid breaks instead of pulling.
+    tangential : TangentialLubrication, optional
+        That of slip and roll; none when left out.
 
     Raises
     ------
@@ -83,6 +89,7 @@ class Lubrication:
     pair_touching_gap: float | None = None
     pair_radius: float | None = None
     separation: float = 1.0
+    tangential: TangentialLubrication | None = None
 
     def __post_init__(self) -> None:
         for name, upper in (("viscosity", np.inf), ("cutoff_gap", np.inf), ("roughness", 0.1)):
@@ -112,11 +119,11 @@ class Lubrication:
     def largest_gap(self, radius: Floats, has_inner_walls: bool = False) -> float:
         """Gap beyond which no lubrication acts between bodies of these radii, (N,), and walls [m]."""
         largest = radius.max(keepdims=True, initial=0.0)
+        rows = [self.rows(largest, other) for other in (np.full_like(largest, np.inf), largest)]
         if has_inner_walls:
-            inner = self.rows_of_inner_walls(largest, np.zeros(1))["cutoff_gap"][0]
-            return max(self.largest_gap(radius), float(inner))
-        walls, pairs = (self._gaps(largest, other)[0].max() for other in (np.array([np.inf]), largest))
-        return float(max(walls, pairs))
+            rows.append(self.rows_of_inner_walls(largest, np.zeros_like(largest)))
+        gaps = ("cutoff_gap", "slip_cutoff_gap", "roll_cutoff_gap")
+        return float(max(row[gap].max(initial=0.0) for row in rows for gap in gaps))
 
     def _gaps(self, radius_i: Floats, radius_j: Floats) -> tuple[Floats, Floats]:
         """Cut-off gap, and that as which the grid resolves touching surfaces, of each pair, (M,), (M,) [m]."""
@@ -149,6 +156,11 @@ class Lubrication:
         result["least_gap"] = self.roughness * np.minimum(radius_i, radius_j)
         result["cutoff_gap"], result["touching_gap"] = self._gaps(radius_i, radius_j)
         result["separation"] = self.separation
+        for name in _TANGENTIAL:
+            result[name] = 0.0
+        if self.tangential:
+            for name, values in self.tangential.rows(self.viscosity, radius_i * s, np.isinf(radius_j)).items():
+                result[name] = values
         return result
 
     def rows_of_inner_walls(self, radius: Floats, curvature: Floats) -> Rows:
@@ -175,6 +187,9 @@ class Lubrication:
         result["inverse"] = 12.0 * np.pi * self.viscosity * np.sqrt(across * radius) / (1.0 / across + 1.0 / radius)
         scale = np.ones_like(radius) if self.pair_radius is None else (radius / self.pair_radius) ** (2.0 / 3.0)
         result["cutoff_gap"], result["touching_gap"] = (scale * length for length in self._pair)
+        if self.tangential:
+            for name, values in self.tangential.rows_of_inner_walls(self.viscosity, radius, across).items():
+                result[name] = values
         return result
 
     def resistance(self, gap: Floats, radius_i: float, radius_j: float) -> Floats:
@@ -191,8 +206,21 @@ class Lubrication:
         -------
         ndarray, (M,), [N s/m]
         """
+        return self._resistances(gap, radius_i, radius_j)[:, 0].copy()
+
+    def tangential_resistance(self, gap: Floats, radius_i: float, radius_j: float) -> tuple[Floats, Floats]:
+        """Force per speed of slip, and of roll, likewise; see :class:`TangentialLubrication`.
+
+        Returns
+        -------
+        slip, roll : ndarray, (M,), [N s/m]
+        """
+        found = self._resistances(gap, radius_i, radius_j)
+        return found[:, 1].copy(), found[:, 2].copy()
+
+    def _resistances(self, gap: Floats, radius_i: float, radius_j: float) -> Floats:
         row = self.rows(np.array([radius_i]), np.array([radius_j]))
         gap = np.ascontiguousarray(gap, dtype=np.float64)
-        result = np.empty_like(gap)
+        result = np.empty((*gap.shape, 3))
         _core.lubrication_resistance(gap, as_bytes(row), result)
         return result

@@ -88,7 +88,7 @@ class SubstepDriver:
             at, count, failed, min_gap, max_overlap = _core.run_substeps(
                 self._kernel, task.box.table, b.position, b.velocity, b.angular_velocity, task.rotation,
                 task.force, task.torque, task.inverse_mass, task.inverse_moment, task.radius,
-                step.impulse, step.angular_impulse, step.contact_impulse,
+                step.impulse, step.angular_impulse, step.contact_impulse, step.lubrication_angular_impulse,
                 chosen.active, chosen.local, chosen.rows, chosen.bands, chosen.even_bands,
                 table.kind, as_bytes(table.kinds), as_bytes(table.lubrication), as_bytes(table.state),
                 as_bytes(table.history), as_bytes(finished), *room, chosen.reach / task.dt, task.time, h,

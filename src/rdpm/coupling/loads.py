@@ -31,4 +31,5 @@ def keep_loads(bodies: Bodies, contact: ContactStep, immersed: ImmersedBodies | 
         np.copyto(bodies.hydrodynamic_torque, immersed.hydrodynamic_torque)
     np.divide(contact.lubrication_impulse, dt, out=bodies.lubrication_force)
     np.divide(contact.contact_impulse, dt, out=bodies.collision_force)
-    np.divide(contact.angular_impulse, dt, out=bodies.collision_torque)
+    np.divide(contact.lubrication_angular_impulse, dt, out=bodies.lubrication_torque)
+    np.divide(contact.contact_angular_impulse, dt, out=bodies.collision_torque)

@@ -17,6 +17,8 @@ _IMPULSE = "interior momentum after a unit impulse on the markers, 6 to 24 cells
 _FRACTION = "python benchmarks/interior_fraction.py"
 _STOKES = "resolved resistance in Stokes flow, 8 to 16 cells a diameter (Brenner 1961, Maude 1961)"
 _NEAR = "rdpm validate near-contact"
+_SHEAR = "resolved shear and rotation in Stokes flow, 8 and 16 cells a diameter (O'Neill 1964, Jeffrey and Onishi 1984)"
+_NEAR_SHEAR = "rdpm validate near-contact-shear"
 
 
 @dataclass(frozen=True)
@@ -93,8 +95,24 @@ class Calibration:
         0.19, "cells", "gap at which the grid sees two touching bodies, at `pair_reference_radius`", _STOKES, _NEAR
     )
     pair_reference_radius: float = _constant(
-        2.0, "cells", "reduced radius of the two gaps above: equal spheres of 8 cells a diameter", _STOKES, _NEAR
+        2.0, "cells", "reduced radius of pair and tangential gaps: equal spheres of 8 cells a diameter", _STOKES, _NEAR
     )
+    wall_slip_gaps: tuple[float, float] = _constant(
+        (0.1, 0.02), "cells", "gap to a wall below which lubrication of slip is corrected, and gap at which the grid "
+        "sees touching surfaces slip, at `pair_reference_radius`", _SHEAR, _NEAR_SHEAR,
+    )  # fmt: skip
+    pair_slip_gaps: tuple[float, float] = _constant(
+        (0.3, 0.06), "cells", "the same of two bodies", _SHEAR, _NEAR_SHEAR
+    )
+    roll_gaps: tuple[float, float] = _constant(
+        (0.3, 0.11), "cells", "the same of roll, beside walls and of two bodies", _SHEAR, _NEAR_SHEAR
+    )
+
+    tangential_rate: float = _constant(
+        0.25, "-", "largest rate, times the time step, at which lubrication slows slip and roll",
+        "a sphere of half the fluid's density 0.001 a from a wall turns steadily at nu dt / h^2 = 1.5",
+        "python -m pytest tests/property/test_light_bodies.py",
+    )  # fmt: skip
 
     def retained_fraction(self, viscous_number: float) -> float:
         """Fraction x / (x + x_0) of the lagged forcing that the next step begins with, x = nu dt / h^2.

@@ -13,7 +13,7 @@ from rdpm.config.case import Case
 from rdpm.config.declared import Quantity
 from rdpm.config.load import load_case
 from rdpm.config.rule import RuleError
-from rdpm.contacts import Contacts, Lubrication
+from rdpm.contacts import Contacts, Lubrication, TangentialLubrication
 from rdpm.coupling.mean_flow import MeanFlow
 from rdpm.coupling.system import System
 from rdpm.errors import CaseError
@@ -153,9 +153,12 @@ def _system(made: Plan, threads: int, calibration: Calibration, ranks: Ranks) ->
     flow.set_velocity(*fluid.initial_velocity)
     lubrication = None
     if case.contact.lubrication and len(bodies):
-        h = float(np.cbrt(np.prod(grid.spacing)))
-        separation = 1.0 if case.contact.lubrication_in_separation else 0.0
-        lubrication = lubrication_correction(fluid.mu, h, case.contact.lubrication_roughness, calibration, separation)
+        h, contact = float(np.cbrt(np.prod(grid.spacing))), case.contact
+        separation = 1.0 if contact.lubrication_in_separation else 0.0
+        lubrication = lubrication_correction(
+            fluid.mu, h, contact.lubrication_roughness, calibration, separation, contact.lubrication_tangential,
+            made.step.longest or made.step.dt,
+        )  # fmt: skip
     contacts = _contacts(made, bodies, box, lubrication, calibration, threads)
     immersed: ImmersedBodies | SharedBodies | None = None
     if len(bodies) or box.walls:
@@ -183,6 +186,8 @@ def lubrication_correction(
     roughness: float = 1e-3,
     calibration: Calibration = CALIBRATION,
     separation: float = 1.0,
+    is_tangential: bool = True,
+    dt: float = 0.0,
 ) -> Lubrication:
     """What the grid does not resolve of lubrication.
 
@@ -198,11 +203,22 @@ def lubrication_correction(
         Activation and resolved gaps in cells.
     separation : float, [-]
         Fraction of it where surfaces part.
+    is_tangential : bool
+        Whether slip and roll are lubricated too.
+    dt : float, [s]
+        Longest time step of a run, which bounds the rate at which they are slowed; 0: no bound.
     """
     c = calibration
     wall = c.wall_activation_gap * h, roughness, c.wall_resolved_gap * h
     pair = c.pair_activation_gap * h, c.pair_resolved_gap * h, c.pair_reference_radius * h
-    return Lubrication(viscosity, *wall, *pair, separation)
+    tangential = None
+    if is_tangential:
+        wall_slip, pair_slip, roll = (
+            (h * cut, h * touching) for cut, touching in (c.wall_slip_gaps, c.pair_slip_gaps, c.roll_gaps)
+        )
+        rate = c.tangential_rate / dt if dt else math.inf
+        tangential = TangentialLubrication(wall_slip, pair_slip, roll, pair[2], rate)
+    return Lubrication(viscosity, *wall, *pair, separation, tangential)
 
 
 def _contacts(

@@ -56,7 +56,8 @@ def slurm_script(made: Plan, name: str, words: Sequence[str], ranks: int, thread
     --------
     >>> from rdpm.config.load import load_case
     >>> from rdpm.setup.plan import plan
-    >>> print(slurm_script(plan(load_case("cloud")), "cloud", ["cloud", "--out", "cloud"], 2, 4)[12:95])
+    >>> text = slurm_script(plan(load_case("cloud")), "cloud", ["cloud", "--out", "cloud"], 2, 4)
+    >>> print("\\n".join(text.splitlines()[1:4]))
     #SBATCH --job-name=cloud
     #SBATCH --output=cloud-%j.out
     #SBATCH --ntasks=2

@@ -31,7 +31,7 @@ _WAYS = (
     {"max_overlap", "impact_speed", "restitution"},
 )
 _CONTACT_PARAMETERS = set().union(*_WAYS)
-_LUBRICATION = ("lubrication", "lubrication_roughness", "lubrication_in_separation")
+_LUBRICATION = ("lubrication", "lubrication_roughness", "lubrication_in_separation", "lubrication_tangential")
 
 
 def base_source(source: str, folder: Path | None) -> tuple[str | Path, str]:

@@ -34,7 +34,8 @@ struct EventTask {
     std::int64_t* events;                           // (M,) collisions in the step
     double start, length, rest_speed, quiet;
     std::int64_t most_events;
-    bool is_new;  // lubrication acts once an interval
+    double* turned;  // (N, 3): angular impulses by lubrication
+    bool is_new;     // lubrication acts once an interval
 };
 
 struct Events {

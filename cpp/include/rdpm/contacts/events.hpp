@@ -27,7 +27,12 @@ class EventLoop {
     Events run() {
         const std::int64_t m = task_.pairs.count;
         if (task_.pairs.lubrication && task_.is_new)
-            for (std::int64_t k = 0; k < m; ++k) lubricate(k);
+            for (std::int64_t k = 0; k < m; ++k) {
+                lubricate(k);
+                const Partners p = partners(k);
+                lubricate_tangentially(b_, task_.box, p, meet(p), task_.pairs.lubrication[k], task_.length,
+                                       task_.turned);
+            }
         for (std::int64_t k = 0; k < m; ++k) predict(k);
         while (m > 0 && task_.capacity - out_.finished > m + 2) {
             const std::int64_t k = schedule_.first();

@@ -101,10 +101,9 @@ struct Cohesive {
         double from, to, overlap;  // of the contact in this sub-step
     };
     using History = typename Law::History;
-    static constexpr auto parameter_fields =
-        extended_fields(Law::parameter_fields, RDPM_FIELD(Parameters, pull_off),
-                        RDPM_FIELD(Parameters, range), RDPM_FIELD(Parameters, from),
-                        RDPM_FIELD(Parameters, to), RDPM_FIELD(Parameters, overlap));
+    static constexpr auto parameter_fields = extended_fields(
+        Law::parameter_fields, RDPM_FIELD(Parameters, pull_off), RDPM_FIELD(Parameters, range),
+        RDPM_FIELD(Parameters, from), RDPM_FIELD(Parameters, to), RDPM_FIELD(Parameters, overlap));
     static constexpr auto history_fields = Law::history_fields;
     static constexpr bool acts_at_distance = true;
 

@@ -60,11 +60,11 @@ concept TangentialLaw =
 // A law with torques against relative rotation. `turn`: angular velocity of i against j; `inverse_moment`
 // relates it to an angular impulse; `impulse`, on j and against i, is written.
 template <class Law>
-concept RotationLaw = ContactLaw<Law> && requires(const typename Law::Parameters& p, const Window& w,
-                                                  const double* n, const double* turn, double x,
-                                                  double* impulse) {
-    Law::angular_impulse(p, w, n, turn, /*inverse_moment*/ x, /*h*/ x, /*normal*/ x, impulse);
-};
+concept RotationLaw =
+    ContactLaw<Law> && requires(const typename Law::Parameters& p, const Window& w, const double* n,
+                                const double* turn, double x, double* impulse) {
+        Law::angular_impulse(p, w, n, turn, /*inverse_moment*/ x, /*h*/ x, /*normal*/ x, impulse);
+    };
 
 // A law whose parameters follow from the impact: `at_impact` gives the row that the other functions get, and
 // may remember of it in the history.

@@ -1,4 +1,4 @@
-// Lubrication between two close surfaces: the part of the normal resistance that the grid does not resolve.
+// Lubrication between two close surfaces: the part of their resistance that the grid does not resolve.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -13,9 +13,25 @@ namespace rdpm::contacts {
 // between, those at cutoff_gap where they are. Constant below least_gap (the roughness); zero in overlap,
 // where the solids carry the load: the overlap of a softened contact is no squeeze flow, and would lose all
 // of a rebound in it. `separation`: fraction of it where the surfaces part. A row of zeros is a pair without
-// lubrication.
+// lubrication. `slip` and `roll`: tangential resistance per ln(1/gap) [N s/m], each with its own two gaps;
+// they act in overlap as at least_gap, for the surfaces then still slide on what is between them, and slow
+// neither slip nor roll at more than largest_rate [1/s].
 struct LubricationRow {
     double inverse, log, least_gap, cutoff_gap, touching_gap, separation;
+    double slip, slip_cutoff_gap, slip_touching_gap, roll, roll_cutoff_gap, roll_touching_gap, largest_rate;
+
+    // Resistance to slip and to roll [N s/m].
+    double to_slip(double gap) const {
+        return slip * unresolved_log(gap, slip_cutoff_gap, slip_touching_gap);
+    }
+    double to_roll(double gap) const {
+        return roll * unresolved_log(gap, roll_cutoff_gap, roll_touching_gap);
+    }
+
+    double unresolved_log(double gap, double cutoff, double touching) const {
+        const double g = std::max(gap, least_gap);
+        return g < cutoff ? std::log(touching / g + 1 - touching / cutoff) : 0;
+    }
 
     double resolved_gap(double gap) const { return touching_gap + gap * (1 - touching_gap / cutoff_gap); }
 
@@ -50,9 +66,18 @@ struct LubricationRow {
     }
 };
 
-inline constexpr std::array lubrication_fields{
-    RDPM_FIELD(LubricationRow, inverse),      RDPM_FIELD(LubricationRow, log),
-    RDPM_FIELD(LubricationRow, least_gap),    RDPM_FIELD(LubricationRow, cutoff_gap),
-    RDPM_FIELD(LubricationRow, touching_gap), RDPM_FIELD(LubricationRow, separation)};
+inline constexpr std::array lubrication_fields{RDPM_FIELD(LubricationRow, inverse),
+                                               RDPM_FIELD(LubricationRow, log),
+                                               RDPM_FIELD(LubricationRow, least_gap),
+                                               RDPM_FIELD(LubricationRow, cutoff_gap),
+                                               RDPM_FIELD(LubricationRow, touching_gap),
+                                               RDPM_FIELD(LubricationRow, separation),
+                                               RDPM_FIELD(LubricationRow, slip),
+                                               RDPM_FIELD(LubricationRow, slip_cutoff_gap),
+                                               RDPM_FIELD(LubricationRow, slip_touching_gap),
+                                               RDPM_FIELD(LubricationRow, roll),
+                                               RDPM_FIELD(LubricationRow, roll_cutoff_gap),
+                                               RDPM_FIELD(LubricationRow, roll_touching_gap),
+                                               RDPM_FIELD(LubricationRow, largest_rate)};
 
 }  // namespace rdpm::contacts

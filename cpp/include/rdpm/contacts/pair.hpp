@@ -6,6 +6,15 @@
 
 namespace rdpm::contacts {
 
+// a b + c, rounded once where the machine can: the compiler is not left to choose which product it fuses.
+inline double multiply_add(double a, double b, double c) {
+#ifdef FP_FAST_FMA
+    return std::fma(a, b, c);
+#else
+    return a * b + c;
+#endif
+}
+
 // A wall within the box, as a row of the box's table; `direction`: the normal of a plane, towards the bodies,
 // or the axis of a cylinder, of unit length.
 struct InnerWall {
@@ -43,6 +52,13 @@ struct Geometry {
 
 inline double dot(const double* a, const double* b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// What is summed over both bodies begins with the upper one, so that its last bit does not depend on which of
+// them is i.
+inline bool points_up(const double* n) {
+    if (n[2] != 0) return n[2] > 0;
+    return n[1] != 0 ? n[1] > 0 : n[0] > 0;
 }
 
 inline void nearest_image(const Box& box, const double* xi, const double* xj, double* r) {

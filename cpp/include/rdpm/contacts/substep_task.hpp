@@ -124,6 +124,7 @@ struct SubstepTask {
     std::int32_t* due;       // (count,): room for the pairs of a band that are looked at
     double acceleration;     // no relative acceleration exceeds this, by the increments, times h
     double inverse_closing;  // no pair closes by more than 1 / inverse_closing in a sub-step
+    double* turned;          // (body_count, 3): angular impulses by lubrication; null without
     Finished* finished;
     std::int64_t capacity;  // of `finished`
     double time, h, overlap_limit;

@@ -8,6 +8,7 @@
 
 #include "rdpm/contacts/rotation.hpp"
 #include "rdpm/contacts/substep_task.hpp"
+#include "rdpm/contacts/tangential_lubrication.hpp"
 
 namespace rdpm::contacts {
 
@@ -57,22 +58,6 @@ inline Impulses solve_normal(const NormalImpulse& law, bool acts, double lambda,
     double contact = law.elastic + law.damping * (u_mid - 0.5 * all * inverse_mass);
     if (!acts || (!law.may_attract && contact < 0)) contact = 0;
     return {contact, h * lambda * (u - contact * inverse_mass) / (1 + viscous)};
-}
-
-// What is summed over both bodies begins with the upper one, so that its last bit does not depend on which of
-// them is i.
-inline bool points_up(const double* n) {
-    if (n[2] != 0) return n[2] > 0;
-    return n[1] != 0 ? n[1] > 0 : n[0] > 0;
-}
-
-// a b + c, rounded once where the machine can: the compiler is not left to choose which product it fuses.
-inline double multiply_add(double a, double b, double c) {
-#ifdef FP_FAST_FMA
-    return std::fma(a, b, c);
-#else
-    return a * b + c;
-#endif
 }
 
 inline double inverse_tangential_mass(const Partners& p, const Geometry& g, double inverse_mass) {
@@ -128,6 +113,18 @@ void apply(const Bodies& b, const Partners& p, const Geometry& g, const Impulses
     };
     add(p.i, 1, p.inverse_mass_i, p.inverse_moment_i, g.lever_i);
     if (p.j >= 0) add(p.j, -1, p.inverse_mass_j, p.inverse_moment_j, g.lever_j);
+}
+
+// Slip and roll of a pair, before what acts along its normal. Not inlined: a pair without lubrication is then
+// compiled to the same arithmetic as if there were none.
+[[gnu::noinline]] inline void lubricate_slip_and_roll(const SubstepTask& task, const std::int32_t* id,
+                                                      const LubricationRow& row) {
+    const BodyBlock& b = task.bodies;
+    const Partners p = partners_of(b, task.box, id[0], id[1]);
+    const double *xi = b.position_of(p.i), ai = b.radius_of(p.i);
+    const Geometry g = p.j < 0 ? wall_geometry(task.box, xi, ai, static_cast<int>(-1 - p.j))
+                               : sphere_geometry(task.box, xi, b.position_of(p.j), ai, b.radius_of(p.j));
+    lubricate_tangentially(b, task.box, p, g, row, task.h, task.turned);
 }
 
 // The contact's record after this sub-step. u_start, u_end: rate of overlap at the sub-step's ends.
@@ -266,6 +263,7 @@ bool visit_band(const SubstepTask& task, const Band& band, std::int64_t substep,
         if constexpr (!std::is_empty_v<typename Law::History>) history = histories + row;
         const LubricationRow* lubrication = pairs.lubrication ? pairs.lubrication + row : nullptr;
         const Partners p = partners_of(task.bodies, task.box, id[0], id[1]);
+        if (lubrication) lubricate_slip_and_roll(task, id, *lubrication);
         if (visit_pair<Law>(task, p, laws[task.kinds[row]], lubrication, s, *history, t, mine)) {
             std::int64_t place;
 #pragma omp atomic capture

@@ -12,6 +12,7 @@ from rdpm.studies.validation.falls import bouncing_sphere, sliding_ball, stacked
 from rdpm.studies.validation.impacts import glass_spheres, normal_impact, oblique_impact
 from rdpm.studies.validation.mordant_pinton import mordant_pinton
 from rdpm.studies.validation.near_contact import near_contact
+from rdpm.studies.validation.near_contact_shear import near_contact_shear
 from rdpm.studies.validation.rebound import rebound
 from rdpm.studies.validation.result import Chart, Found, Row, Tell
 from rdpm.studies.validation.rotation import rotation
@@ -32,6 +33,7 @@ CASES: dict[str, tuple[Callable[[bool, Tell], Found], bool]] = {
     "mordant-pinton": (mordant_pinton, False),
     "stream": (stream, True),
     "near-contact": (near_contact, True),
+    "near-contact-shear": (near_contact_shear, True),
     "rebound": (rebound, True),
     "time-order": (time_order, True),
     "bouncing-sphere": (bouncing_sphere, True),
