@@ -91,9 +91,9 @@ void lubricate_tangentially(const Bodies& b, const Box& box, const Pair& p, cons
                             const LubricationRow& row, double h, double* turned) {
     const double to_slip = h * row.to_slip(-g.overlap), to_roll = h * row.to_roll(-g.overlap);
     if (to_slip == 0 && to_roll == 0) return;
-    LubricatedPartner partners[2] = {
-        {p.i, p.inverse_mass_i, p.inverse_moment_i, g.lever_i, b.velocity_of(p.i), b.spin_of(p.i)},
-        {p.j, p.inverse_mass_j, p.inverse_moment_j, g.lever_j, p.vj, p.wj}};
+    LubricatedPartner partners[2] = {{p.i, p.inverse_mass_i, p.inverse_moment_i, g.lever_i,
+                                      b.velocity_of(p.i), b.angular_velocity_of(p.i)},
+                                     {p.j, p.inverse_mass_j, p.inverse_moment_j, g.lever_j, p.vj, p.wj}};
     RollShares shares(box, g, p.j);
     double n[3] = {g.n[0], g.n[1], g.n[2]};
     if (p.j >= 0 && points_up(n)) {
@@ -128,7 +128,7 @@ void lubricate_tangentially(const Bodies& b, const Box& box, const Pair& p, cons
     for (int which = 0; which < 2; ++which) {
         const LubricatedPartner& s = partners[which];
         if (s.id < 0) continue;
-        double *v = b.velocity_of(s.id), *w = b.spin_of(s.id), *impulse = b.impulse_of(s.id),
+        double *v = b.velocity_of(s.id), *w = b.angular_velocity_of(s.id), *impulse = b.impulse_of(s.id),
                *angular = b.angular_impulse_of(s.id), *lubricated = turned + 3 * s.id;
         for (int d = 0; d < 3; ++d) {
             const double force = which ? push[d] : -push[d], torque = -s.lever * twist[which][d];
