@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import resource
 import subprocess
 import sys
 import time
@@ -14,6 +13,7 @@ import numpy as np
 
 from rdpm.contacts import Contacts, SoftSphere
 from rdpm.grid import Box
+from rdpm.io.provenance import peak_memory_bytes
 from rdpm.parallel.threads import available_threads
 from rdpm.particles.state import Bodies
 
@@ -96,11 +96,9 @@ def restitution_error(substeps: int, steps_per_contact: int = STEPS_PER_CONTACT)
 
 def grown(side: int) -> dict[str, Any]:
     """Time and memory of a bed on one core, the process's own: a row of `dry_bed`'s ``growth``."""
-    unit = 1 if sys.platform == "darwin" else 1024
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    before = peak_memory_bytes()
     row = _time_rdpm(side, SUBSTEPS, 1)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return row | {"bytes_per_body": unit * (peak - before) / row["bodies"]}
+    return row | {"bytes_per_body": (peak_memory_bytes() - before) / row["bodies"]}
 
 
 def _growth(edges: Iterable[int], name: str, tell: Tell) -> list[dict[str, Any]]:
