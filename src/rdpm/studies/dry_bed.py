@@ -103,9 +103,9 @@ def grown(side: int) -> dict[str, Any]:
     return row | {"bytes_per_body": unit * (peak - before) / row["bodies"]}
 
 
-def _growth(sides: Iterable[int], name: str, tell: Tell) -> list[dict[str, Any]]:
+def _growth(edges: Iterable[int], name: str, tell: Tell) -> list[dict[str, Any]]:
     rows = []
-    for side in sides:
+    for side in edges:
         tell(f"{name}: rdpm, {side**3} spheres, {SUBSTEPS} sub-steps a contact")
         program = f"import json\nfrom rdpm.studies.dry_bed import grown\nprint(json.dumps(grown({side})))"
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

@@ -13,14 +13,14 @@ double resist_rotation(const BodyBlock& b, const Partners& p, const double* n,
     const double inverse_moment = p.inverse_moment_i + p.inverse_moment_j;
     if (inverse_moment == 0) return 0;
     double turn[3], impulse[3];
-    const double *wi = b.spin_of(p.i), *dw = b.spin_gain_of(p.i);
+    const double *wi = b.angular_velocity_of(p.i), *dw = b.angular_gain_of(p.i);
     for (int d = 0; d < 3; ++d) turn[d] = wi[d] - 0.5 * dw[d] - (p.wj[d] - 0.5 * p.dw_j[d]);
     Law::angular_impulse(law, w, n, turn, inverse_moment, h, normal, impulse);
     for (int d = 0; d < 3; ++d) {
-        b.spin_of(p.i)[d] -= impulse[d] * p.inverse_moment_i;
+        b.angular_velocity_of(p.i)[d] -= impulse[d] * p.inverse_moment_i;
         b.angular_impulse_of(p.i)[d] -= impulse[d];
         if (p.j < 0) continue;
-        b.spin_of(p.j)[d] += impulse[d] * p.inverse_moment_j;
+        b.angular_velocity_of(p.j)[d] += impulse[d] * p.inverse_moment_j;
         b.angular_impulse_of(p.j)[d] += impulse[d];
     }
     return 0.5 * inverse_moment * dot(impulse, impulse) - dot(impulse, turn);

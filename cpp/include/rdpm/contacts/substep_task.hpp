@@ -42,9 +42,9 @@ struct BodyArrays {
 
     double* position_of(std::int64_t i) const { return x + 3 * i; }
     double* velocity_of(std::int64_t i) const { return v + 3 * i; }
-    double* spin_of(std::int64_t i) const { return w + 3 * i; }
+    double* angular_velocity_of(std::int64_t i) const { return w + 3 * i; }
     const double* gain_of(std::int64_t i) const { return dv + 3 * i; }
-    const double* spin_gain_of(std::int64_t i) const { return dw + 3 * i; }
+    const double* angular_gain_of(std::int64_t i) const { return dw + 3 * i; }
     double* impulse_of(std::int64_t i) const { return impulse + 3 * i; }
     double* angular_impulse_of(std::int64_t i) const { return angular_impulse + 3 * i; }
     double* contact_impulse_of(std::int64_t i) const { return contact_impulse + 3 * i; }
@@ -66,9 +66,9 @@ struct BodyBlock {
 
     double* position_of(std::int64_t i) const { return rows[i].x; }
     double* velocity_of(std::int64_t i) const { return rows[i].v; }
-    double* spin_of(std::int64_t i) const { return rows[i].w; }
+    double* angular_velocity_of(std::int64_t i) const { return rows[i].w; }
     const double* gain_of(std::int64_t i) const { return rows[i].dv; }
-    const double* spin_gain_of(std::int64_t i) const { return rows[i].dw; }
+    const double* angular_gain_of(std::int64_t i) const { return rows[i].dw; }
     double* impulse_of(std::int64_t i) const { return rows[i].impulse; }
     double* angular_impulse_of(std::int64_t i) const { return rows[i].angular_impulse; }
     double* contact_impulse_of(std::int64_t i) const { return rows[i].contact_impulse; }

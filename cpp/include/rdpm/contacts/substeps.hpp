@@ -34,9 +34,9 @@ Partners partners_of(const Bodies& b, const Box& box, std::int64_t i, std::int64
         p.inverse_moment_j = b.inverse_moment_of(j);
         p.smaller_diameter = 2 * std::min(b.radius_of(i), b.radius_of(j));
         p.vj = b.velocity_of(j);
-        p.wj = b.spin_of(j);
+        p.wj = b.angular_velocity_of(j);
         p.dv_j = b.gain_of(j);
-        p.dw_j = b.spin_gain_of(j);
+        p.dw_j = b.angular_gain_of(j);
     }
     return p;
 }
@@ -73,8 +73,8 @@ inline double inverse_tangential_mass(const Partners& p, const Geometry& g, doub
 // increments; u_mid is the normal part.
 inline void slip_velocity(const BodyBlock& b, const Partners& p, const Geometry& g, double u_mid,
                           double* slip) {
-    const double *vi = b.velocity_of(p.i), *wi = b.spin_of(p.i), *dv = b.gain_of(p.i),
-                 *dw = b.spin_gain_of(p.i);
+    const double *vi = b.velocity_of(p.i), *wi = b.angular_velocity_of(p.i), *dv = b.gain_of(p.i),
+                 *dw = b.angular_gain_of(p.i);
     double roll[3];
     const bool is_reversed = p.j >= 0 && points_up(g.n);
     const double first = is_reversed ? g.lever_j : g.lever_i, last = is_reversed ? g.lever_i : g.lever_j;
@@ -101,7 +101,7 @@ void apply(const Bodies& b, const Partners& p, const Geometry& g, const Impulses
     }
     const auto add = [&](std::int64_t id, double sign, double inverse_mass, double inverse_moment,
                          double lever) {
-        double *v = b.velocity_of(id), *w = b.spin_of(id), *impulse = b.impulse_of(id);
+        double *v = b.velocity_of(id), *w = b.angular_velocity_of(id), *impulse = b.impulse_of(id);
         double *angular = b.angular_impulse_of(id), *by_contact = b.contact_impulse_of(id);
         for (int d = 0; d < 3; ++d) {
             v[d] += sign * all[d] * inverse_mass;
