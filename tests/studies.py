@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 
@@ -50,4 +51,5 @@ def command(*words, **options):
     return subprocess.Popen(
         [sys.executable, "-m", "rdpm.cli.main", "study", *map(str, words)],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=dict(os.environ), **options,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),   # which jobs in the background ignore
     )
