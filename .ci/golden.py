@@ -32,6 +32,9 @@ TABLES = ("particles.csv", "contacts.csv", "history.csv")
 #: sets give 1e-13; what a pair does after a contact amplifies that by some thousand times in these runs.
 TOLERANCE = 1e-6
 
+#: Largest values by unit below which a vector is round-off of what symmetry makes zero.
+LEAST = {"rad_s": 1e-6, "N_m": 1e-12}
+
 #: Round-off alone: they have no digits to compare.
 NOISE = {"divergence"}
 
@@ -198,7 +201,7 @@ def compare(folder: Path) -> list[str]:
         if expected.pop(-1)[0] != rows.pop(-1)[0]:
             found.append(f"{name}/{table}: another number of rows")
             continue
-        scales: dict[str, float] = {}
+        scales = {_vector(column): least for column in head for unit, least in LEAST.items() if column.endswith(unit)}
         for n, column in enumerate(head[1:]):
             largest = max(
                 (abs(x) for values in expected.values() if math.isfinite(x := _number(values[n]))), default=0.0
