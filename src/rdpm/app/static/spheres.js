@@ -1,6 +1,7 @@
-// The spheres of a run as one instanced mesh, the box, and a slice of the flow; three.js comes with NiceGUI.
+// The spheres of a run, the box, and a slice of the flow; three.js comes with NiceGUI.
 import { THREE, OrbitControls } from "nicegui-scene";
 
+const FEW = 300; // spheres, of which each is looked at
 const PALETTE = ["#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"];
 
 function decode(text) {
@@ -8,23 +9,74 @@ function decode(text) {
   return new Float32Array(bytes.buffer);
 }
 
-// Stripes along the meridians, two light and two dark: a rotation is seen from anywhere.
-function stripes() {
-  const canvas = document.createElement("canvas");
-  canvas.width = 64;
-  canvas.height = 32;
-  const pen = canvas.getContext("2d");
-  pen.fillStyle = "#ffffff";
-  pen.fillRect(0, 0, 64, 32);
-  pen.fillStyle = "#7d7d7d";
-  pen.fillRect(0, 0, 16, 16);
-  pen.fillRect(32, 0, 16, 16);
-  pen.fillRect(16, 16, 16, 16);
-  pen.fillRect(48, 16, 16, 16);
-  const texture = new THREE.CanvasTexture(canvas);
-  texture.colorSpace = THREE.SRGBColorSpace;
-  return texture;
-}
+// A sphere is one square that faces the eye; each of its pixels meets the sphere by the ray through it. Twelve numbers
+// and two triangles a sphere, and round at any distance: a software renderer has little to do for a thousand.
+const VERTEX = `
+in vec3 centre;
+in vec4 turn;
+in float radius;
+in vec3 paint;
+out vec3 ray;
+flat out vec3 middle;
+flat out vec4 about;
+flat out float size;
+flat out float pixels;
+flat out vec3 colour;
+uniform float height;
+
+void main() {
+  vec3 c = (modelViewMatrix * vec4(centre, 1.0)).xyz;
+  float far = length(c);
+  vec3 towards = c / far;
+  vec3 right = normalize(cross(towards, abs(towards.y) < 0.9 ? vec3(0, 1, 0) : vec3(1, 0, 0)));
+  vec3 up = cross(right, towards);
+  float reach = radius * far / sqrt(max(far * far - radius * radius, 1e-3 * radius * radius));
+  ray = c + reach * (position.x * right + position.y * up);
+  middle = c;
+  about = turn;
+  size = radius;
+  colour = paint;
+  pixels = 0.5 * height * projectionMatrix[1][1] * radius / far;
+  gl_Position = projectionMatrix * vec4(ray, 1.0);
+}`;
+
+// Eight sectors, light and dark by turns: a rotation is seen from anywhere.
+const FRAGMENT = `
+in vec3 ray;
+flat in vec3 middle;
+flat in vec4 about;
+flat in float size;
+flat in float pixels;
+flat in vec3 colour;
+uniform mat4 projectionMatrix;
+
+void main() {
+  vec3 to = normalize(ray);
+  float nearest = dot(to, middle);
+  vec3 aside = nearest * to - middle;
+  float left = size * size - dot(aside, aside);
+  if (left < 0.0) discard;
+  float root = sqrt(left);
+  vec3 normal = (aside - root * to) / size;
+  vec3 place = (nearest - root) * to;
+  float depth = projectionMatrix[2][2] * place.z + projectionMatrix[3][2];
+  gl_FragDepth = 0.5 - 0.5 * depth / place.z;
+
+  vec3 world = normal * mat3(viewMatrix);
+  vec3 v = -about.xyz;
+  vec3 own = world + 2.0 * cross(v, cross(v, world) + about.w * world);
+  vec3 side = clamp(own * pixels, -1.0, 1.0);
+  float light = 0.68 + 0.32 * side.x * side.y * side.z;
+
+  float sun = max(dot(normal, vec3(-0.36, 0.6, 0.714)), 0.0);
+  float gloss = sun * sun;
+  gloss *= gloss;
+  gloss *= gloss;
+  gloss *= gloss * gloss;
+  vec3 seen = colour * light * (0.34 + 0.14 * normal.y + 0.72 * sun) + 0.16 * gloss * gloss;
+  gl_FragColor = vec4(seen, clamp(pixels * (1.0 - length(aside) / size), 0.0, 1.0));
+  #include <colorspace_fragment>
+}`;
 
 export default {
   template: `<div class="rdpm-scene" tabindex="0" role="img" :aria-label="label">
@@ -47,10 +99,13 @@ export default {
   methods: {
     begin() {
       const canvas = this.$el.querySelector("canvas");
-      if (!canvas.getContext("webgl2")) throw new Error("no WebGL");
-      this.renderer = new THREE.WebGLRenderer({ canvas, context: canvas.getContext("webgl2"), alpha: true });
+      // Smooth edges of many small spheres cost more than they show.
+      const context = canvas.getContext("webgl2", { alpha: false, antialias: this.diameters.length <= FEW });
+      if (!context) throw new Error("no WebGL");
+      this.renderer = new THREE.WebGLRenderer({ canvas, context });
       this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
       this.scene = new THREE.Scene();
+      this.scene.background = new THREE.Color();
       const size = new THREE.Vector3(...this.box);
       const longest = Math.max(size.x, size.y, size.z);
       this.scale = 1 / longest; // lengths of about one, whatever the box
@@ -62,10 +117,6 @@ export default {
       this.controls.listenToKeyEvents(this.$el);
       this.controls.addEventListener("change", () => this.draw());
       this.controls.addEventListener("start", () => (this.from = "")); // from now on the visitor's own
-      this.scene.add(new THREE.HemisphereLight(0xffffff, 0x888888, 2.2));
-      const sun = new THREE.DirectionalLight(0xffffff, 1.8);
-      sun.position.set(1, -2, 3);
-      this.scene.add(sun);
       const edges = new THREE.EdgesGeometry(new THREE.BoxGeometry(...size.clone().multiplyScalar(this.scale)));
       const box = new THREE.LineSegments(edges, new THREE.LineBasicMaterial({ color: 0x888888 }));
       box.position.copy(middle);
@@ -78,12 +129,27 @@ export default {
     },
     spheres() {
       const count = this.diameters.length;
-      const fine = count <= 20 ? 32 : count <= 300 ? 20 : 10;
-      const body = new THREE.SphereGeometry(0.5, fine, Math.max(6, fine / 2));
-      this.mesh = new THREE.InstancedMesh(body, new THREE.MeshLambertMaterial({ map: stripes() }), count);
+      const shape = new THREE.InstancedBufferGeometry();
+      shape.setAttribute("position", new THREE.Float32BufferAttribute([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], 3));
+      shape.setIndex([0, 1, 2, 0, 2, 3]);
+      const each = (name, values, width) => {
+        const made = new THREE.InstancedBufferAttribute(values, width);
+        shape.setAttribute(name, made);
+        return made;
+      };
+      each("radius", Float32Array.from(this.diameters, (diameter) => 0.5 * diameter * this.scale), 1);
+      const paints = PALETTE.map((name) => new THREE.Color(name).toArray());
+      each("paint", Float32Array.from({ length: 3 * count }, (_, n) => paints[Math.floor(n / 3) % paints.length][n % 3]), 3);
+      this.centre = each("centre", new Float32Array(3 * count), 3);
+      this.turn = each("turn", new Float32Array(4 * count), 4);
+      shape.instanceCount = count;
+      const paint = new THREE.ShaderMaterial({
+        vertexShader: VERTEX, fragmentShader: FRAGMENT, glslVersion: null, uniforms: { height: { value: 1 } },
+        alphaToCoverage: count <= FEW,
+      });
+      this.mesh = new THREE.Mesh(shape, paint);
       this.mesh.frustumCulled = false;
       this.mesh.visible = false;
-      for (let n = 0; n < count; n++) this.mesh.setColorAt(n, new THREE.Color(PALETTE[n % PALETTE.length]));
       this.scene.add(this.mesh);
     },
     look(from) {
@@ -113,16 +179,10 @@ export default {
     },
     frame(position, rotation) {
       if (!this.mesh) return;
-      const p = decode(position), q = decode(rotation);
-      const matrix = new THREE.Matrix4(), at = new THREE.Vector3(), turn = new THREE.Quaternion(), size = new THREE.Vector3();
-      for (let n = 0; n < Math.min(this.mesh.count, p.length / 3); n++) {
-        at.set(p[3 * n], p[3 * n + 1], p[3 * n + 2]).multiplyScalar(this.scale);
-        turn.set(q[4 * n], q[4 * n + 1], q[4 * n + 2], q[4 * n + 3]);
-        size.setScalar(this.diameters[n] * this.scale);
-        this.mesh.setMatrixAt(n, matrix.compose(at, turn, size));
-      }
+      this.centre.array.set(decode(position).map((length) => length * this.scale));
+      this.turn.array.set(decode(rotation));
+      this.centre.needsUpdate = this.turn.needsUpdate = true;
       this.mesh.visible = true;
-      this.mesh.instanceMatrix.needsUpdate = true;
       this.draw();
     },
     slice(picture, normal, position) {
@@ -168,6 +228,8 @@ export default {
       requestAnimationFrame(() => {
         this.pending = false;
         if (this.ended) return;
+        this.scene.background.setStyle(getComputedStyle(this.$el).backgroundColor);
+        this.mesh.material.uniforms.height.value = this.renderer.domElement.height;
         this.renderer.render(this.scene, this.camera);
         this.frames += 1;
         this.$el.dataset.frames = this.frames;
