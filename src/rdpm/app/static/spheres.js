@@ -94,6 +94,8 @@ export default {
   beforeUnmount() {
     this.ended = true;
     this.observer?.disconnect();
+    this.shade?.disconnect();
+    this.controls?.dispose();
     this.renderer?.dispose();
   },
   methods: {
@@ -115,6 +117,11 @@ export default {
       this.controls = new OrbitControls(this.camera, this.$el);
       this.controls.target.copy(middle);
       this.controls.listenToKeyEvents(this.$el);
+      this.controls.keyRotateSpeed = 20;
+      // Whoever scrolls the page is not caught by the scene.
+      this.$el.addEventListener("wheel", (e) => e.ctrlKey || e.metaKey || e.stopImmediatePropagation(), { capture: true });
+      this.$el.style.touchAction = "pan-y";
+      this.$el.addEventListener("keydown", (e) => this.press(e));
       this.controls.addEventListener("change", () => this.draw());
       this.controls.addEventListener("start", () => (this.from = "")); // from now on the visitor's own
       const edges = new THREE.EdgesGeometry(new THREE.BoxGeometry(...size.clone().multiplyScalar(this.scale)));
@@ -125,6 +132,8 @@ export default {
       this.look("front");
       this.observer = new ResizeObserver(() => this.fit());
       this.observer.observe(this.$el);
+      this.shade = new MutationObserver(() => this.draw()); // light or dark
+      this.shade.observe(document.body, { attributeFilter: ["class"] });
       this.fit();
     },
     spheres() {
@@ -158,15 +167,28 @@ export default {
       const size = this.box.map((length) => length * this.scale);
       const way = { front: [0.25, -1, 0.2], corner: [1, -1, 0.7], above: [0.001, -0.05, 1] }[from];
       const turned = this.up === 2 ? way : this.up === 1 ? [way[0], way[2], -way[1]] : [way[2], way[1], way[0]];
-      // The box fills the picture: its height upwards, its diagonal across, whichever needs more room.
-      const across = Math.hypot(...size.filter((_, n) => n !== this.up));
-      const [tall, wide] = from === "above" ? [across, across] : [size[this.up] + 0.25 * across, across];
-      const slope = Math.tan((Math.PI * this.camera.fov) / 360);
-      const far = Math.max(tall, wide / this.camera.aspect) * 0.53 / slope + 0.5 * (from === "above" ? size[this.up] : across);
-      const direction = new THREE.Vector3(...turned).normalize().multiplyScalar(far);
-      this.camera.position.set(...size.map((length) => length / 2)).add(direction);
+      // As near as all corners of the box allow.
+      const back = new THREE.Vector3(...turned).normalize();
+      const right = new THREE.Vector3().crossVectors(this.camera.up, back).normalize();
+      const top = new THREE.Vector3().crossVectors(back, right);
+      const slope = 0.95 * Math.tan((Math.PI * this.camera.fov) / 360);
+      let far = 0;
+      for (let n = 0; n < 8; n++) {
+        const corner = new THREE.Vector3(...size.map((length, axis) => (n & (1 << axis) ? 0.5 : -0.5) * length));
+        const aside = Math.max(Math.abs(corner.dot(right)) / this.camera.aspect, Math.abs(corner.dot(top)));
+        far = Math.max(far, aside / slope + corner.dot(back));
+      }
+      this.camera.position.set(...size.map((length) => length / 2)).add(back.multiplyScalar(far));
       this.controls.update();
       this.draw();
+    },
+    press(event) {
+      const nearer = { "+": 0.85, "=": 0.85, "-": 1 / 0.85 }[event.key];
+      if (!nearer || event.ctrlKey || event.metaKey) return;
+      event.preventDefault();
+      this.from = "";
+      this.camera.position.sub(this.controls.target).multiplyScalar(nearer).add(this.controls.target);
+      this.controls.update();
     },
     fit() {
       const width = Math.max(1, this.$el.clientWidth);
