@@ -1,9 +1,14 @@
 """The page in a real browser, with the network cut: from a design to two runs over each other."""
 
+import io
 import re
 
 import browser
+import numpy as np
 import pytest
+from PIL import Image
+
+from rdpm.io.tables import PARTICLE_COLUMNS, TableWriter
 
 SETTLING = """title = "One sphere settling in a small tank"
 [domain]
@@ -72,4 +77,45 @@ def test_design_check_run_watch_come_back_and_compare(tmp_path):
             page.goto(base + path)
             page.get_by_role("heading", level=1).wait_for()
             assert page.evaluate("document.documentElement.scrollWidth") <= 391
+        assert complaints == []
+
+
+CLOUD = """[domain]
+size = [0.1, 0.1, 0.1]
+[[bodies]]
+diameter = 0.004
+density = 2500
+lattice = { counts = [10, 10, 10], spacing = [0.01, 0.01, 0.01] }
+[time]
+end = 1
+step = "1 ms"
+"""
+
+
+def test_a_thousand_spheres_are_drawn(tmp_path):
+    run = tmp_path / "cloud"
+    run.mkdir()
+    (run / "case.toml").write_text(CLOUD)
+    rows = np.zeros((2, 1000, len(PARTICLE_COLUMNS)))
+    rows[1, :, 0], rows[..., 1] = 0.1, np.arange(1000)
+    rows[..., 2:5] = 0.005 + 0.01 * np.stack(np.unravel_index(np.arange(1000), (10, 10, 10)), axis=1)
+    with TableWriter(run / "particles.csv", PARTICLE_COLUMNS) as table:
+        table.write(rows.reshape(2000, -1))
+    with browser.serving(tmp_path) as address, browser.browsing(address) as (page, complaints):
+        page.goto(f"{address.partition('/?')[0]}/run/cloud")
+        page.wait_for_function("+document.querySelector('.rdpm-scene')?.dataset.frames > 0")
+        scene = page.locator(".rdpm-scene")
+
+        def colourful():
+            pixels = np.asarray(Image.open(io.BytesIO(scene.screenshot())).convert("RGB")).astype(int)
+            return np.ptp(pixels, axis=2) > 40
+
+        page.wait_for_timeout(1000)
+        before = colourful()
+        assert before.mean() > 0.05  # box and ground are grey
+        scene.focus()
+        for key in ("+", "+", "Shift+ArrowLeft"):
+            page.keyboard.press(key)
+        page.wait_for_timeout(1000)
+        assert colourful().mean() > 1.2 * before.mean()  # it came closer
         assert complaints == []

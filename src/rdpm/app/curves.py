@@ -12,6 +12,7 @@ __all__ = ["chart_of", "line", "mark", "points", "thinned"]
 
 _DASHES: tuple[Any, ...] = ("solid", [8, 4], [2, 3], [8, 3, 2, 3], [14, 4], [4, 2])
 _SYMBOLS = ("circle", "rect", "triangle", "diamond", "pin", "arrow")
+_DIAMOND = "path://M1,0L2,1L1,2L0,1Z"  # that a legend does not stretch
 _GREY = "#5f5f64"
 _TITLE = {"fontSize": 14, "fontWeight": 600, "color": "#1d1d1f"}
 
@@ -102,8 +103,9 @@ def points(name: str, x: Iterable[float], y: Iterable[float], number: int = 0) -
 def mark(x: float | None, y: float | None, name: str = "this design") -> dict[str, Any]:
     """The point of the user; none where a coordinate is not known."""
     known = x is not None and y is not None and math.isfinite(x) and math.isfinite(y)
-    return {"type": "scatter", "name": name, "data": [[x, y]] if known else [], "symbol": "diamond", "symbolSize": 17,
-            "z": 5, "itemStyle": {"color": "#F0E442", "borderColor": "#262626", "borderWidth": 2}}  # fmt: skip
+    return {"type": "scatter", "name": name, "data": [[x, y]] if known else [], "symbol": _DIAMOND, "symbolSize": 17,
+            "symbolKeepAspect": True, "z": 5,
+            "itemStyle": {"color": "#F0E442", "borderColor": "#262626", "borderWidth": 2}}  # fmt: skip
 
 
 def thinned(count: int, most: int = 3000) -> slice:

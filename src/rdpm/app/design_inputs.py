@@ -15,7 +15,7 @@ from rdpm.config.units import parse_quantity
 from rdpm.design import Design, soft_sphere
 from rdpm.errors import CaseError
 
-__all__ = ["DEFAULTS", "INPUTS", "WAYS", "Input", "designed", "query_of", "shown", "state_of"]
+__all__ = ["DEFAULTS", "EMPTY", "INPUTS", "WAYS", "Input", "designed", "query_of", "shown", "state_of"]
 
 
 @dataclass(frozen=True)
@@ -84,6 +84,12 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "ending": ("zero-force", "zero-overlap"),
 }
 _TYPICAL = {"stiffness": "100 N/m", "damping": "0.1 N s/m", "contact_time": "8 ms", "max_overlap": "0.5 %"}
+#: What holds where an input that may be left empty is empty.
+EMPTY = {
+    "impact_speed": "empty: the settling velocity", "youngs_modulus": "empty: not known",
+    "poisson_ratio": "empty: not known", "friction": "empty: none", "density2": "empty: the same",
+    "time_step": "empty: chosen",
+}  # fmt: skip
 _LONGEST = 80  # characters of one value
 
 
@@ -121,6 +127,45 @@ def state_of(query: Mapping[str, str]) -> dict[str, str]:
         if name not in state and name != "time_step":
             state[name] = DEFAULTS.get(name) or _TYPICAL[name]
     return state
+
+
+def carried_over(state: Mapping[str, str], name: str, value: str, design: Design | None) -> dict[str, str]:
+    """Give the state after a choice; numbers that were known stay known.
+
+    Parameters
+    ----------
+    state : mapping of str to str
+    name, value : str
+        What was chosen: "own numbers" begins with those of the material or fluid before, another way to name the
+        contact with what the contact has.
+    design : Design or None
+        Of the state before.
+
+    Examples
+    --------
+    >>> glass = state_of({"material": "soda-lime glass", "diameter": "2 mm"})
+    >>> carried_over(glass, "material", "", None)["density"]
+    '2500 kg/m^3'
+    """
+    known: dict[str, float | None] = {}
+    if name == "material" and not value and state["material"]:
+        solid = MATERIALS[state["material"]]
+        known = {key: getattr(solid, key) for key in ("density", "youngs_modulus", "poisson_ratio")}
+    elif name == "fluid" and not value and state["fluid"] in FLUIDS:
+        fluid = FLUIDS[state["fluid"]]
+        known = {"fluid_density": fluid.density, "viscosity": fluid.viscosity}
+    elif name == "way" and design is not None:
+        known = {
+            "stiffness": design.stiffness_N_m, "damping": design.damping_N_s_m, "contact_time": design.contact_time_s,
+            "contact_steps": design.contact_steps, "max_overlap": design.max_overlap_fraction,
+        }  # fmt: skip
+        known = {key: number for key, number in known.items() if key not in _used(state)}
+    told = {
+        key: shown(number, INPUTS[key].unit)
+        for key, number in known.items()
+        if number is not None and INPUTS[key].low <= number <= INPUTS[key].high
+    }
+    return state_of({**state, **told, name: value})
 
 
 def query_of(state: Mapping[str, str]) -> dict[str, str]:

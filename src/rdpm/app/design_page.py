@@ -12,7 +12,7 @@ from urllib.parse import urlencode
 from nicegui import ui
 
 from rdpm.app.design_charts import CHARTS, draw
-from rdpm.app.design_inputs import INPUTS, WAYS, Input, designed, query_of, shown, state_of
+from rdpm.app.design_inputs import EMPTY, INPUTS, WAYS, Input, carried_over, designed, query_of, shown, state_of
 from rdpm.app.frame import button, chart, code, frame, heading, html, problem, state, table, written
 from rdpm.app.materials import FLUIDS, MATERIALS
 from rdpm.config.units import parse_quantity
@@ -67,6 +67,7 @@ class DesignPage:
         self.fields: dict[str, ui.input] = {}
         self.sliders: dict[str, ui.slider] = {}
         self.rows: dict[str, ui.element] = {}
+        self.notes: dict[str, ui.html] = {}
         self._is_setting = False
         self.shown_chart, self.shown_export = "damping", "case"
         self.design: Design | None = None
@@ -80,6 +81,7 @@ class DesignPage:
     def _inputs(self) -> None:
         heading("Sphere")
         self._choice("material", "material", {"": "own numbers", **{m: m for m in MATERIALS}})
+        self.notes["material"] = html("", "rdpm-soft")
         for name in _SPHERE:
             self._quantity(INPUTS[name])
         self._choice("partner", "meets", {"pair": "an equal sphere", "other": "another sphere", "wall": "a wall"})
@@ -87,6 +89,7 @@ class DesignPage:
             self._quantity(INPUTS[name])
         heading("Fluid and impact")
         self._choice("fluid", "fluid", {"": "own numbers", "none": "none (dry)", **{f: f for f in FLUIDS}})
+        self.notes["fluid"] = html("", "rdpm-soft")
         for name in ("fluid_density", "viscosity", "impact_speed"):
             self._quantity(INPUTS[name])
         heading("Contact")
@@ -107,6 +110,8 @@ class DesignPage:
             unit = f" [{item.unit}]" if item.unit else ""
             field = ui.input(item.label + unit, value=self.state.get(item.name, ""))
             field.props(f'dense outlined debounce=60 hide-hint hint="{escape(item.help)}" data-name="{item.name}"')
+            if item.name in EMPTY:
+                field.props(f'stack-label placeholder="{EMPTY[item.name]}"')
             field.without_auto_validation()
             field.classes("rdpm-field").on_value_change(lambda e: self._typed(item, e.value))
             low, high = (math.log10(v) if item.is_log else v for v in (item.low, item.high))
@@ -139,9 +144,9 @@ class DesignPage:
         tabs.on_value_change(lambda e: show(str(e.value)))
 
     def _chosen(self, name: str, value: Any) -> None:
-        self.state[name] = str(value or "")
-        self.state = state_of(self.state)
-        self.update()
+        if not self._is_setting and str(value or "") != self.state[name]:
+            self.state = carried_over(self.state, name, str(value or ""), self.design)
+            self.update()
 
     def _typed(self, item: Input, value: Any) -> None:
         if not self._is_setting:
@@ -180,11 +185,25 @@ class DesignPage:
         for name, field in self.fields.items():
             self.rows[name].set_visibility(name in used)
             field.set_value(self.state.get(name, ""))
+            self.sliders[name].classes(
+                **{"remove" if self.state.get(name, "").strip() else "add": "rdpm-unset"}  # no value: no place on it
+            )
             is_wrong = wrong is not None and wrong.place == name
             field.error = f"{wrong.rule}. {wrong.cure}" if is_wrong and wrong is not None else None
             if name != slid:
                 self._set_slider(INPUTS[name])
         self._is_setting = False
+
+        solid, fluid = MATERIALS.get(self.state["material"]), FLUIDS.get(self.state["fluid"])
+        self.notes["material"].set_content(
+            f"{shown(solid.density, 'kg/m^3')}, {shown(solid.youngs_modulus, 'Pa')}, Poisson's ratio "
+            f"{solid.poisson_ratio} ({escape(solid.source)})" if solid else ""
+        )  # fmt: skip
+        self.notes["fluid"].set_content(
+            f"{shown(fluid.density, 'kg/m^3')}, {shown(fluid.viscosity, 'Pa s')} ({escape(fluid.source)})"
+            if fluid
+            else ""
+        )
 
     def _set_slider(self, item: Input) -> None:
         try:

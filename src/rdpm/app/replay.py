@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -46,8 +45,7 @@ class Replay:
         self.scene = SphereScene(run.box, run.diameter, up)
         with ui.element("div").classes("rdpm-row"):
             self.play = button("Play", self._toggle, "play_arrow", is_main=True)
-            for way, text in (("front", "From the front"), ("corner", "From a corner"), ("above", "From above")):
-                button(text, partial(self.scene.look, way))
+            self.scene.look_buttons()
             self.switch = ui.switch("slice of the flow", value=True, on_change=self._switched)
             self.switch.set_visibility(bool(len(self.flow)))
             self.scale = html("")
@@ -56,6 +54,7 @@ class Replay:
         )
         self.slider.on_value_change(lambda e: self.show(int(e.value or 0)))
         self.clock = html("", "rdpm-soft")
+        self.scene.help()
         self.timer = ui.timer(_EVERY, self._advance, active=False)
         ui.timer(0.2, lambda: self.show(self.at), once=True)
 

@@ -112,6 +112,10 @@ def _trajectory(runs: Sequence[Run], names: Sequence[str]) -> Chart:
     return chart_of("Trajectories", x, y, lines, is_equal=True)
 
 
+def _contact_name(run: str, kind: str) -> str:
+    return kind if not run else run if kind == "sphere-sphere" else f"{run}, wall"
+
+
 def _contacts(runs: Sequence[Run], names: Sequence[str]) -> Chart:
     dots = []
     for n, (run, name) in enumerate(zip(runs, names, strict=True)):
@@ -126,7 +130,7 @@ def _contacts(runs: Sequence[Run], names: Sequence[str]) -> Chart:
                 step = thinned(len(start))
                 dots.append(
                     points(
-                        f"{name} {kind}".strip(), start[step], 100.0 * deep[step], n if name else kind == "sphere-wall"
+                        _contact_name(name, kind), start[step], 100.0 * deep[step], n if name else kind == "sphere-wall"
                     )
                 )
     return chart_of("Contacts", "start [s]", "largest overlap [% d]", dots)

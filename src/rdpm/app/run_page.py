@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ import numpy as np
 from nicegui import run, ui
 
 from rdpm.app.frame import button, chart, files_link, frame, heading, html, problem, state
-from rdpm.app.live import LiveRun
+from rdpm.app.live import Frame, LiveRun
 from rdpm.app.run_figures import live_curves
 from rdpm.app.run_results import show_results
 from rdpm.app.scene import SphereScene, colour_scale
@@ -49,6 +48,7 @@ class RunPage:
         self.live = LiveRun(self.files)
         self.scene: SphereScene | None = None
         self.top, self.slice_shown, self._is_reading = 0.0, True, False
+        self._drawn: Frame | None = None  # the newest that the curves hold
         with frame(name, "runs"):
             self._head()
             self.view = ui.element("section").props('aria-label="Scene and curves"')
@@ -103,14 +103,16 @@ class RunPage:
 
     def _show_status(self) -> None:
         now = self.status
-        text, _ = STATES.get(now.state, (now.state, ""))
+        text, meaning = STATES.get(now.state, (now.state, ""))
         self.title.set_content(f"<p>{escape(now.title)}</p>")
         message = (
             f'<p class="rdpm-{"bad" if now.state in ("failed", "guard") else "warn"}">{escape(now.message)}</p>'
             if now.message
             else ""
         )
-        self.progress.set_content(f"<p>{state(now.state, text)} {escape(_where(now))}</p>{_bar(now)}{message}")
+        self.progress.set_content(
+            f"<p>{state(now.state, text)} {escape(_where(now) or meaning)}</p>{_bar(now)}{message}"
+        )
         shown = {
             "pause": now.state == "running", "stop": now.state in ("running", "reporting"),
             "resume": now.can_go_on or now.state == "guard", "withdraw": now.state == "queued",
@@ -128,8 +130,17 @@ class RunPage:
             with ui.element("div").classes("rdpm-even"):
                 drawn = live_curves(self.live)
                 self.curves = {name: chart(options, options["title"]["text"]) for name, options in drawn.items()}
-                self.curves["contacts"].set_visibility(bool(self.live.contacts))
+                self._show_curves(drawn)
         self.view.set_visibility(self.status.state != "done")
+
+    def _show_curves(self, drawn: dict[str, Any]) -> None:
+        """Show what has changed; a chart without a point is not shown."""
+        for name, options in drawn.items():
+            has_points = any(one["data"] for one in options["series"])
+            self.curves[name].set_visibility(has_points)
+            if has_points and options["series"] != self.curves[name].options["series"]:
+                self.curves[name].options.update(options)
+                self.curves[name].update()
 
     def _start_scene(self, diameter: Any) -> None:
         if not 0 < self.live.count <= _MOST_BODIES or diameter is None:
@@ -139,12 +150,12 @@ class RunPage:
             heading("Scene")
             self.scene = SphereScene(self.live.box, diameter, up)
             with ui.element("div").classes("rdpm-row"):
-                for way, text in (("front", "From the front"), ("corner", "From a corner"), ("above", "From above")):
-                    button(text, partial(self.scene.look, way))
+                self.scene.look_buttons()
                 switch = ui.switch("slice of the flow", value=True)
                 switch.on_value_change(lambda e: self._show_slice(bool(e.value)))
                 self.scale = html("")
                 self.clock = html("", "rdpm-soft")
+            self.scene.help()
 
     def _show_slice(self, is_shown: bool) -> None:
         self.slice_shown = is_shown
@@ -182,13 +193,11 @@ class RunPage:
         if now.state != before.state:
             await self._build_results()
             self.view.set_visibility(now.state != "done")
-        if not now.is_active and before.state == now.state and self.scene is not None:
+        is_still = not now.is_active and before.state == now.state and self.scene is not None
+        if is_still and self._drawn is self.live.frame:
             return
-        for name, options in live_curves(self.live).items():
-            if options["series"] and options["series"] != self.curves[name].options["series"]:
-                self.curves[name].options.update(options)
-                self.curves[name].update()
-        self.curves["contacts"].set_visibility(bool(self.live.contacts))
+        self._drawn = self.live.frame
+        self._show_curves(live_curves(self.live))
         await self._tick_slice()
 
     async def _tick_slice(self) -> None:

@@ -94,7 +94,8 @@ class RunsPage:
 
     def show(self, found: list[RunStatus]) -> None:
         """Show what goes on, and the list where a run came, went or changed its state."""
-        self.active.set_content("".join(_active(one) for one in found if one.is_active))
+        active = sorted((one for one in found if one.is_active), key=lambda one: (one.state == "queued", one.asked_ns))
+        self.active.set_content("".join(_active(one) for one in active))
         now = [(one.name, one.state) for one in found]
         if now != self.seen or not self.list.content:
             self.seen = now
@@ -125,12 +126,13 @@ class RunsPage:
 def _row(one: RunStatus) -> str:
     name = escape(one.name)
     cells = [f'<td><input type="checkbox" name="run" value="{name}" aria-label="overlay {name}"></td>',
-             f'<th scope="row">{link_to_run(one.name)}<br><span class="rdpm-soft">{escape(one.title)}</span></th>',
+             f'<th scope="row"><span class="rdpm-name">{link_to_run(one.name)}<br>'
+             f'<span class="rdpm-soft">{escape(one.title)}</span></span></th>',
              f"<td>{state(one.state, STATES[one.state][0])}</td>"]  # fmt: skip
     for key, (_, value, write) in _COLUMNS.items():
         if key not in ("name", "state"):
             given = value(one)
-            cells.append(f"<td>{'-' if given is None else escape(write(given))}</td>")
+            cells.append(f'<td class="one-line">{"-" if given is None else escape(write(given))}</td>')
     return f"<tr>{''.join(cells)}</tr>"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from nicegui.elements.scene import Scene
 from nicegui.elements.scene.scene_object3d import Object3D
 from numpy.typing import ArrayLike, NDArray
 
+from rdpm.app.frame import button, html
 from rdpm.app.live import Slice
 from rdpm.figures.style import FLOW_MAP
 
@@ -22,7 +24,7 @@ _THREE: Any = (Scene, Object3D)
 
 
 class SphereScene(Element, component="static/spheres.js"):
-    """A box with spheres in it; drag to turn, wheel to come closer, arrow keys to move.
+    """A box with spheres in it, to be turned and come closer to by mouse, fingers and keys.
 
     Parameters
     ----------
@@ -54,6 +56,19 @@ class SphereScene(Element, component="static/spheres.js"):
     def look(self, way: str) -> None:
         """Look from the "front", a "corner", or "above"."""
         self.run_method("look", way)
+
+    def look_buttons(self) -> None:
+        """Put buttons on the page that choose from where to look."""
+        for way, text in (("front", "From the front"), ("corner", "From a corner"), ("above", "From above")):
+            button(text, partial(self.look, way))
+
+    @staticmethod
+    def help() -> None:
+        """Tell how the scene is turned."""
+        html(
+            '<p class="rdpm-soft">Drag to turn, ctrl and wheel or two fingers to come closer. Keys: arrows move, shift '
+            "and arrows turn, + and - come closer.</p>"
+        )
 
     def say(self, text: str) -> None:
         """Tell those who do not see it what there is."""

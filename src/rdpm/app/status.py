@@ -46,6 +46,8 @@ class RunStatus:
     process : int or None
     message : str
         What to know about it.
+    asked_ns : int
+        When it was queued; 0 of one that is not.
     summary : Summary or None
         While it runs, that of the part before.
     """
@@ -61,6 +63,7 @@ class RunStatus:
     process: int | None = None
     message: str = ""
     summary: Summary | None = None
+    asked_ns: int = 0
 
     @property
     def is_active(self) -> bool:
@@ -95,14 +98,14 @@ def status_of(name: str, files: RunFolder) -> RunStatus:
     """
     case, summary, process = read_case(files), summary_of(files), holder(files.lock)
     step, time, wall, rate = _clock(files)
-    end = _end(case)
+    mark, end = queue_mark(files), _end(case)
     is_over = time is not None and end is not None and time >= end * (1.0 - 1e-9)
     message, left = "", None
     if process is not None:
         state = "reporting" if is_over and summary is not None and summary.status == "done" else "running"
         if rate and time is not None and end is not None:
             left = max(0.0, end - time) / rate
-    elif queue_mark(files) is not None:
+    elif mark is not None:
         state = "queued"
     elif summary is not None and summary.status == "done":
         state = "done"
@@ -114,7 +117,8 @@ def status_of(name: str, files: RunFolder) -> RunStatus:
         message = _refusal(files.path / CONSOLE)
         state = "failed" if message else "stopped"
     title = str(case.get("title") or "") if case else ""
-    return RunStatus(name, state, title, time, end, step, wall, left, process, message, summary)
+    return RunStatus(name, state, title, time, end, step, wall, left, process, message, summary,
+                     mark.asked_ns if state == "queued" and mark else 0)  # fmt: skip
 
 
 class QueueMark(NamedTuple):
