@@ -44,6 +44,13 @@ class Checked:
     line: int = 0
 
     @property
+    def short(self) -> str:
+        """Whether it can run, in a word."""
+        if self.error is not None:
+            return state("fail", "cannot run")
+        return "" if self.plan is None else state("warning" if self.plan.warnings else "ok", "can run")
+
+    @property
     def html(self) -> str:
         """The same for a reader."""
         if self.error is not None:
@@ -112,8 +119,9 @@ def _sections(found: Plan) -> str:
     for title, rows in found.sections:
         cells = []
         for row in rows:
-            verdict = state(row.verdict) if row.verdict else ""
-            cells.append((escape(row.name), escape(row.value), verdict, escape(row.note)))
+            verdict = f" {state(row.verdict)}" if row.verdict else ""
+            note = f'<br><span class="rdpm-soft">{escape(row.note)}</span>' if row.note else ""
+            cells.append((escape(row.name), f"{escape(row.value)}{verdict}{note}"))
         parts.append(table(cells, caption=title, is_html=True))
     warnings = len(found.warnings)
     word = "warning" if warnings else "ok"

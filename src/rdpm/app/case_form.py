@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from html import escape
 from typing import Any
@@ -45,6 +46,10 @@ def _without(entry: Entry) -> str:
     if entry["left_out"]:
         return f"Left out: {entry['left_out']}."
     return f"Left out: {written_value(entry['default'])}." if entry["default"] not in (None, [], "") else ""
+
+
+def _as_code(text: str) -> str:
+    return re.sub(r"`([^`]+)`", r"<code>\1</code>", text)
 
 
 class CaseForm:
@@ -137,7 +142,7 @@ class CaseForm:
             return
         with ui.element("fieldset"):
             html(f"<legend>{escape(dotted(at))}</legend>")
-            html(f'<p class="rdpm-soft">{escape(hint_of(entry))}</p>')
+            html(f'<p class="rdpm-soft">{_as_code(escape(hint_of(entry)))}</p>')
             if not entry["required"]:
                 switch = ui.switch("given", value=values is not None)
                 switch.props(f'dense aria-label="{dotted(at)} given"')

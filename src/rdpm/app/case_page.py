@@ -125,6 +125,7 @@ class CasePage:
             button("Run", self._run, "play_arrow", is_main=True)
             self.save_as = ui.input("save as", value=self.file or f"{name}.toml").props("dense outlined")
             button("Save", self._save, "save")
+            self.short = html("")
         self.said = html("").props("aria-live=polite")
 
     async def _text_changed(self, event: events.ValueChangeEventArguments[Any]) -> None:
@@ -157,6 +158,7 @@ class CasePage:
     def _show(self, found: Checked) -> None:
         self.checked = found
         self.found.set_content(found.html)
+        self.short.set_content(f'<a href="#check">{found.short}</a>' if found.short else "")
         if found.values:
             message = "" if found.error is None else f"{found.error.rule}. {found.error.cure}".strip()
             self.form.show(found.values, found.path, message)

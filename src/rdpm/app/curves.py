@@ -53,7 +53,7 @@ def chart_of(
         "aria": {"enabled": True, "label": {"description": f"{title}: {y} over {x}."}},
         "title": {"text": title, "left": 4, "top": 0, "textStyle": _TITLE},
         "legend": {
-            "type": "scroll", "top": 24, "left": 0, "right": 10, "itemGap": 14, "itemWidth": 28,
+            "type": "scroll", "top": 24, "left": 0, "right": 10, "itemGap": 10, "itemWidth": 24,
             "textStyle": {"color": "#333333"}, "pageTextStyle": {"color": _GREY}, "data": _names(drawn),
         },
         "grid": {"left": 6, "right": 18, "top": 56, "bottom": 6, "outerBoundsMode": "same",

@@ -26,6 +26,10 @@ from rdpm.errors import CaseError
 __all__ = ["DesignPage"]
 
 _SPHERE = ("diameter", "density", "youngs_modulus", "poisson_ratio")
+_SCHEMES = {
+    "explicit-euler": "explicit Euler", "semi-implicit-euler": "semi-implicit Euler",
+    "velocity-verlet": "velocity Verlet",
+}  # fmt: skip
 _WORDS = {"ok": "ok", "note": "note", "fail": "limit broken"}
 
 
@@ -283,7 +287,7 @@ def _programs(design: Design) -> str:
     heads = ("program", "dt", "N_c", "e_n it gives")
     parts = [table(cells, heads, "This spring in other programs, with the time step it needs there")] if cells else []
     schemes = [
-        (p.integrator.replace("-", " "), f"{p.mean:.3f}", f"{p.least:.3f} to {p.greatest:.3f}")
+        (_SCHEMES.get(p.integrator, p.integrator), f"{p.mean:.3f}", f"{p.least:.3f} to {p.greatest:.3f}")
         for p in design.predictions
     ]
     if schemes:
