@@ -41,7 +41,7 @@ density = "962 kg/m^3"
 viscosity = "0.113 Pa s"
 [[bodies]]
 diameter = "15 mm"
-density = "970 kg/m^3"
+density = "966 kg/m^3"
 centers = [["3 cm", "3 cm", "10 cm"]]
 [resolution]
 cells_per_diameter = 12
@@ -182,7 +182,7 @@ def watching(folder):
             now, found = 0.05, []
             for n in range(2 * PAIRS):
                 if n % 2:
-                    time.sleep(2.0)  # the server lets go of the page
+                    time.sleep(4.0)  # the server lets go of the page
                     now, values = spent(run.pid, server, place, now)
                 else:
                     with watcher(address, "/run/tank") as came:

@@ -9,8 +9,8 @@ function decode(text) {
   return new Float32Array(bytes.buffer);
 }
 
-// A sphere is one square that faces the eye; each of its pixels meets the sphere by the ray through it. Twelve numbers
-// and two triangles a sphere, and round at any distance: a software renderer has little to do for a thousand.
+// A sphere is one square that faces the eye; each of its pixels meets the sphere by the ray through it: two triangles,
+// and round at any distance.
 const VERTEX = `
 in vec3 centre;
 in vec4 turn;
@@ -138,20 +138,25 @@ export default {
     },
     spheres() {
       const count = this.diameters.length;
-      const shape = new THREE.InstancedBufferGeometry();
-      shape.setAttribute("position", new THREE.Float32BufferAttribute([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], 3));
-      shape.setIndex([0, 1, 2, 0, 2, 3]);
-      const each = (name, values, width) => {
-        const made = new THREE.InstancedBufferAttribute(values, width);
+      // Four corners a sphere, all in one drawing: a software renderer takes each instance as a drawing of its own.
+      const shape = new THREE.BufferGeometry();
+      const each = (name, width, value) => {
+        const values = Float32Array.from({ length: 4 * width * count }, (_, n) => {
+          const corner = Math.floor(n / width);
+          return value(corner >> 2, n % width, corner & 3);
+        });
+        const made = new THREE.BufferAttribute(values, width);
         shape.setAttribute(name, made);
         return made;
       };
-      each("radius", Float32Array.from(this.diameters, (diameter) => 0.5 * diameter * this.scale), 1);
       const paints = PALETTE.map((name) => new THREE.Color(name).toArray());
-      each("paint", Float32Array.from({ length: 3 * count }, (_, n) => paints[Math.floor(n / 3) % paints.length][n % 3]), 3);
-      this.centre = each("centre", new Float32Array(3 * count), 3);
-      this.turn = each("turn", new Float32Array(4 * count), 4);
-      shape.instanceCount = count;
+      each("position", 3, (body, axis, corner) => [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]][corner][axis]);
+      each("radius", 1, (body) => 0.5 * this.diameters[body] * this.scale);
+      each("paint", 3, (body, band) => paints[body % paints.length][band]);
+      this.centre = each("centre", 3, () => 0);
+      this.turn = each("turn", 4, () => 0);
+      const corners = [0, 1, 2, 0, 2, 3];
+      shape.setIndex(Array.from({ length: 6 * count }, (_, n) => 4 * Math.floor(n / 6) + corners[n % 6]));
       const paint = new THREE.ShaderMaterial({
         vertexShader: VERTEX, fragmentShader: FRAGMENT, glslVersion: null, uniforms: { height: { value: 1 } },
         alphaToCoverage: count <= FEW,
@@ -201,8 +206,15 @@ export default {
     },
     frame(position, rotation) {
       if (!this.mesh) return;
-      this.centre.array.set(decode(position).map((length) => length * this.scale));
-      this.turn.array.set(decode(rotation));
+      const give = (attribute, values, width, factor) => {
+        const count = Math.min(values.length, attribute.array.length / 4);
+        for (let n = 0; n < count; n++) {
+          const at = 4 * n - 3 * (n % width); // the first corner's
+          for (let corner = 0; corner < 4; corner++) attribute.array[at + corner * width] = values[n] * factor;
+        }
+      };
+      give(this.centre, decode(position), 3, this.scale);
+      give(this.turn, decode(rotation), 4, 1);
       this.centre.needsUpdate = this.turn.needsUpdate = true;
       this.mesh.visible = true;
       this.draw();
