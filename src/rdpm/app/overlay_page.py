@@ -42,9 +42,11 @@ def overlay(names: Sequence[str]) -> None:
         if len(runs) < FEWEST:
             return
         html("<p>" + ", ".join(link_to_run(name) for name in runs) + "</p>")
+        html('<p class="rdpm-soft">Of more than two bodies the velocity is the mean.</p>')
         with ui.element("div").classes("rdpm-even"):
             for options in compared(list(runs.values()), list(runs)).values():
-                chart(options, options["title"]["text"])
+                if any(one["data"] for one in options["series"]):
+                    chart(options, options["title"]["text"])
         heading("Numbers")
         html(_side_by_side(runs))
 

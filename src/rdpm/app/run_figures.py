@@ -170,9 +170,7 @@ def compared(runs: Sequence[Run], names: Sequence[str]) -> dict[str, Chart]:
             kiss = run.summary.dkt.kiss_time_s if run.summary.dkt else None
             kisses.append(mark(kiss, 0.0, f"{name}: first kiss") | {"symbolSize": 12})
     return {
-        "velocity": chart_of(
-            "Settling velocity (of many bodies the mean)", "time [s]", "velocity along gravity [cm/s]", fall
-        ),
+        "velocity": chart_of("Settling velocity", "time [s]", "velocity along gravity [cm/s]", fall),
         "trajectory": _trajectory(runs, names),
         "gap": chart_of("Smallest gap", "time [s]", "gap [mm]", [*gap, *kisses]),
         "contacts": _contacts(runs, names),

@@ -58,8 +58,9 @@ def numbers_of(found: Summary) -> list[tuple[str, str]]:
         spring = f"k_n {written(kind.stiffness_N_m, 'N/m')}, eta_n {written(kind.damping_N_s_m, 'N s/m')}"
         spring += f", t_c {written(kind.contact_time_s, 's')}, e_n {written(kind.restitution)}"
         rows.append((f"contact {kind.kind}", spring))
-    cost = f", {written(found.ns_per_cell_step, 'ns a cell and step', 3)}" if found.ns_per_cell_step else ""
-    rows.append(("wall time", f"{span(found.wall_s or 0.0)}{cost}, {found.threads} threads"))
+    cost = f", {float(f'{found.ns_per_cell_step:.3g}'):g} ns a cell and step" if found.ns_per_cell_step else ""
+    threads = f"{found.threads} thread{'s' if found.threads != 1 else ''}"
+    rows.append(("wall time", f"{span(found.wall_s or 0.0)}{cost}, {threads}"))
     return rows
 
 

@@ -141,4 +141,5 @@ def _active(one: RunStatus) -> str:
     done = f"t = {one.time:.4g} of {one.end:.4g} s{left}" if one.time is not None and one.end else STATES[one.state][1]
     percent = round(100 * one.progress)
     bar = f'<progress max="100" value="{percent}" aria-label="{escape(one.name)}">{percent} %</progress>'
+    bar = "" if one.state == "queued" and not percent else bar
     return f"<p>{link_to_run(one.name)} {state(one.state, STATES[one.state][0])} {escape(done)}{bar}</p>"
