@@ -53,7 +53,7 @@ def chart_of(
         "aria": {"enabled": True, "label": {"description": f"{title}: {y} over {x}."}},
         "title": {"text": title, "left": 4, "top": 0, "textStyle": _TITLE},
         "legend": {
-            "type": "scroll", "top": 24, "left": 0, "right": 10, "itemGap": 10, "itemWidth": 24,
+            "type": "scroll", "top": 24, "left": 0, "right": 10, "itemGap": 10, "itemWidth": 28,
             "textStyle": {"color": "#333333"}, "pageTextStyle": {"color": _GREY}, "data": _names(drawn),
         },
         "grid": {"left": 6, "right": 18, "top": 56, "bottom": 6, "outerBoundsMode": "same",
@@ -93,10 +93,14 @@ def line(name: str, x: Iterable[float], y: Iterable[float], number: int = 0, **s
             "itemStyle": {"color": look["color"]}, "symbol": "circle"}  # fmt: skip
 
 
-def points(name: str, x: Iterable[float], y: Iterable[float], number: int = 0) -> dict[str, Any]:
+def points(
+    name: str, x: Iterable[float], y: Iterable[float], number: int = 0, is_hollow: bool = False
+) -> dict[str, Any]:
     """Single points."""
     data = [[_plain(a), _plain(b)] for a, b in zip(x, y, strict=True)]
-    return {"type": "scatter", "name": name, "data": data, "symbol": _SYMBOLS[number % len(_SYMBOLS)], "symbolSize": 9,
+    symbol = _SYMBOLS[number % len(_SYMBOLS)]
+    symbol = f"empty{symbol.capitalize()}" if is_hollow else symbol
+    return {"type": "scatter", "name": name, "data": data, "symbol": symbol, "symbolSize": 9,
             "itemStyle": {"color": PALETTE[number % len(PALETTE)], "opacity": 0.8}}  # fmt: skip
 
 

@@ -128,11 +128,9 @@ def _contacts(runs: Sequence[Run], names: Sequence[str]) -> Chart:
                     np.asarray(run.contacts[key], np.float64)[of_kind] for key in ("start_s", "max_overlap_fraction")
                 )
                 step = thinned(len(start))
-                dots.append(
-                    points(
-                        _contact_name(name, kind), start[step], 100.0 * deep[step], n if name else kind == "sphere-wall"
-                    )
-                )
+                is_wall = kind == "sphere-wall"
+                said = _contact_name(name, kind)
+                dots.append(points(said, start[step], 100.0 * deep[step], n if name else is_wall, is_wall))
     return chart_of("Contacts", "start [s]", "largest overlap [% d]", dots)
 
 

@@ -24,7 +24,7 @@ from rdpm.results.run import Run, load_run
 
 __all__ = ["RunPage"]
 
-_SCENE_EVERY, _CURVES_EVERY = 0.1, 1.0  # s
+_SCENE_EVERY, _CURVES_EVERY = 0.08, 1.0  # s
 _MOST_BODIES = 20_000  # that a browser draws
 
 
