@@ -53,6 +53,18 @@ def test_design_follows_what_is_typed_and_names_what_is_wrong(visit):
     visit(act)
 
 
+def test_a_material_names_its_source_and_leaves_its_numbers_behind(visit):
+    async def act(user):
+        await user.open("/design?material=soda-lime+glass&diameter=2+mm")
+        assert "Callister" in shown(user)
+        with user:
+            one(user, ui.select, "material").set_value("")
+        assert "Callister" not in shown(user)
+        assert one(user, ui.input, "density of the sphere").value == "2500 kg/m^3"
+
+    visit(act)
+
+
 def test_a_design_change_takes_less_than_a_tenth_of_a_second(visit):
     async def act(user):
         await user.open("/design")
