@@ -117,7 +117,11 @@ def _film(tell: Tell) -> Found:
     runs: dict[str, dict[str, Any]] = {
         f"roughness {REPORTED:g} a": {},
         f"roughness {REPORTED:g} a, no lubrication in separation": {"lubrication_in_separation": False},
+        f"roughness {REPORTED:g} a, no fluid force in the impact": {"fluid_force_in_impact": False},
         f"roughness {DEFAULT:g} a": {"lubrication_roughness": DEFAULT},
+        f"roughness {DEFAULT:g} a, no fluid force in the impact": {
+            "lubrication_roughness": DEFAULT, "fluid_force_in_impact": False,
+        },
         f"roughness {FITTED:g} a": {"lubrication_roughness": FITTED},
         f"roughness {FITTED:g} a, half the step": {
             "lubrication_roughness": FITTED, "step": 0.5 * STEP, "contact_steps": 2 * CONTACT_STEPS,
