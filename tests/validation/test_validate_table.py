@@ -16,7 +16,7 @@ from rdpm.studies.validation.basset import basset_speed
 from rdpm.studies.validation.near_contact import lubrication_resistance, resolved_resistance
 from rdpm.studies.validation.near_contact_shear import QUANTITIES, TABLE, resolved_shear, tangential_resistance
 from rdpm.studies.validation.points import crossing, points
-from rdpm.studies.validation.wall_impact import Track, filmed_impacts, peaks
+from rdpm.studies.validation.wall_impact import Track, peaks, recorded_impacts
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -58,16 +58,16 @@ def test_peaks_are_the_tops_of_the_measured_bounces():
     np.testing.assert_allclose(found, [7.466e-3, 2.234e-3, 0.520e-3], rtol=2e-3)
 
 
-def test_a_film_gives_speed_and_restitution_of_its_impacts():
-    film = points("gondret_2002", "time_s", "gap_m")
-    found = filmed_impacts(*film, *film)
+def test_a_recording_gives_speed_and_restitution_of_its_impacts():
+    recording = points("gondret_2002", "time_s", "gap_m")
+    found = recorded_impacts(*recording, *recording)
     # Worked by hand from the frames -5.6, -1.6, 0.4 and 4.4 ms; the later impacts are those at St 77 and 39.
     assert found[0] == pytest.approx(((3.285 - 0.914) / 4.0, (2.0 - 0.2059) / (3.285 - 0.914)), rel=1e-9)
     assert [7800.0 * speed * 3e-3 / 0.09 for speed, _ in found] == pytest.approx([154.1, 76.7, 39.5], abs=0.1)
     # A track that starts elsewhere in time: a bounce at 0.7 of the speed, and nothing after it.
     time = np.linspace(0.95, 1.05, 1001)
     gap = np.where(time < 1.0, 0.6 * (1.0 - time), 0.42 * (time - 1.0))
-    ((speed, restitution),) = filmed_impacts(*film, time, gap)
+    ((speed, restitution),) = recorded_impacts(*recording, time, gap)
     assert (speed, restitution) == pytest.approx((0.6, 0.7), rel=1e-9)
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rdpm.studies.validation.points import points
 from rdpm.studies.validation.result import Chart, Curve, Found, Row, Tell
-from rdpm.studies.validation.wall_impact import Sphere, Track, filmed_impacts, peaks, wall_impact
+from rdpm.studies.validation.wall_impact import Sphere, Track, peaks, recorded_impacts, wall_impact
 
 __all__ = ["rebound"]
 
@@ -86,8 +86,8 @@ def rebound(quick: bool, tell: Tell) -> Found:
         what = f"rebound {n + 1}, {across} cells/d, dt {1e3 * step:g} ms, {steps} contact steps"
         band = None if quick or n >= len(PEAK_BANDS) else PEAK_BANDS[n]
         yield Row(what, 1e3 * height, 1e3 * reference, band, "mm", SOURCE)
-    film = filmed_impacts(time, gap, time, gap)
-    for n, (ours, theirs) in enumerate(zip(filmed_impacts(time, gap, t, g), film, strict=False)):
+    recording = recorded_impacts(time, gap, time, gap)
+    for n, (ours, theirs) in enumerate(zip(recorded_impacts(time, gap, t, g), recording, strict=False)):
         stokes = ", ".join(f"{SPHERE.stokes_number(speed):.0f}" for speed, _ in (theirs, ours))
         band = None if quick else RESTITUTION_BAND / theirs[1]
         what = f"restitution, impact {n + 1} (St measured, computed: {stokes})"

@@ -1,4 +1,4 @@
-"""A steel sphere that meets the floor of a tank of silicone oil: its motion, and its restitution as a film shows it."""
+"""A steel sphere that meets the floor of a tank of silicone oil: its motion, and its restitution as recorded."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rdpm.config.load import load_case
 from rdpm.setup import Simulation
 
-__all__ = ["RESTITUTION", "Sphere", "Track", "filmed_impacts", "peaks", "wall_impact"]
+__all__ = ["RESTITUTION", "Sphere", "Track", "peaks", "recorded_impacts", "wall_impact"]
 
 Floats = NDArray[np.float64]
 
@@ -153,37 +153,36 @@ def peaks(time: Floats, gap: Floats, least: float) -> list[float]:
     return (found + [float("nan")] * 3)[:3]
 
 
-def filmed_impacts(film_time: Floats, film_gap: Floats, time: Floats, gap: Floats) -> list[tuple[float, float]]:
-    """Speed before each impact [m/s] and restitution, from three frames of a film before it and three after.
+def recorded_impacts(frames: Floats, gaps: Floats, time: Floats, gap: Floats) -> list[tuple[float, float]]:
+    """Speed before each impact [m/s] and restitution, from three frames of a camera before it and three after.
 
     Parameters
     ----------
-    film_time, film_gap : ndarray, (F,), [s], [m]
-        The frames that find the impacts: those where a gap is smaller than its neighbours.
+    frames, gaps : ndarray, (F,), [s], [m]
+        What the camera saw. An impact is before the frame whose gap is smaller than those beside it.
     time, gap : ndarray, (T,), [s], [m]
-        What is measured: the film itself, or a computed track, looked at when the film's camera would have looked. Its
-        impacts and the film's are put at the same time, where the line through the last two frames before one meets
-        the wall.
+        What is measured: the same arrays, or a computed track, looked at when the camera would have looked. Its impacts
+        are put where the line through the camera's last two frames before one meets the wall.
 
     Examples
     --------
     >>> t = np.arange(-5.0, 6.0)
-    >>> film = np.where(t < 0.0, -t, 0.5 * t)
-    >>> [(speed, e)] = filmed_impacts(t, film, t, film)
+    >>> seen = np.where(t < 0.0, -t, 0.5 * t)
+    >>> [(speed, e)] = recorded_impacts(t, seen, t, seen)
     >>> round(speed, 12), round(e, 12)
     (1.0, 0.5)
     """
     found = []
     touches = np.flatnonzero((gap[1:] <= 0.0) & (gap[:-1] > 0.0)) + 1
-    lowest = [n for n in range(3, len(film_gap) - 2) if film_gap[n - 1] >= film_gap[n] < film_gap[n + 1]]
+    lowest = [n for n in range(3, len(gaps) - 2) if gaps[n - 1] >= gaps[n] < gaps[n + 1]]
     for k, n in enumerate(lowest):
-        frames = film_time[n - 3 : n + 3]
-        if time is not film_time:
+        at = frames[n - 3 : n + 3]
+        if time is not frames:
             if k >= len(touches):
                 break
-            meets = frames[2] + film_gap[n - 1] * (frames[2] - frames[1]) / (film_gap[n - 2] - film_gap[n - 1])
-            frames = frames - meets + time[touches[k]]
-        g = np.interp(frames, time, gap)
-        before = (g[0] - g[2]) / (frames[2] - frames[0])
-        found.append((float(before), float((g[5] - g[3]) / (frames[5] - frames[3]) / before)))
+            meets = at[2] + gaps[n - 1] * (at[2] - at[1]) / (gaps[n - 2] - gaps[n - 1])
+            at = at - meets + time[touches[k]]
+        g = np.interp(at, time, gap)
+        before = (g[0] - g[2]) / (at[2] - at[0])
+        found.append((float(before), float((g[5] - g[3]) / (at[5] - at[3]) / before)))
     return found

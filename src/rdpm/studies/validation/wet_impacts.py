@@ -1,4 +1,4 @@
-"""A steel sphere of 6 mm meets a wall in silicone oil: restitution against Stokes number, and a film at St 27.
+"""A steel sphere of 6 mm meets a wall in silicone oil: restitution against Stokes number, first rebound at St 27.
 
 Gondret, Lance and Petit, Phys. Fluids 14 (2002) 643-652: 7800 in 965 kg/m3, 0.519 m/s; St 27 at 0.100 Pa s. Other
 Stokes numbers are other viscosities. The restitution is the speed 1 ms after the sphere has left the wall over that of
@@ -30,13 +30,13 @@ DELAY, AFTER = 1e-3, 0.025
 STOKES_NUMBERS = (5.0, 10.0, 27.0, 46.0, 84.0, 153.0, 1000.0)
 NO_REBOUND = 10.0
 
-#: Roughness over the radius: reported, that of rdpm's default, and the one that fits the film at St 27.
+#: Roughness over the radius: reported, that of rdpm's default, and the one that fits the rebound at St 27.
 REPORTED, DEFAULT, FITTED = 1e-4, 1e-3, 2e-3
 
-#: Measured restitutions; those at 84 and 46 are near the second and the third impact of the film at St 152.
+#: Measured restitutions; those at 84 and 46 are near the second and the third impact of the recording at St 152.
 MEASURED = {27.0: 0.47, 46.0: 0.52, 84.0: 0.62, 153.0: 0.77}
 
-#: Of the film at St 27: top of the first rebound [m], and its time after impact [s].
+#: At St 27: top of the first rebound [m], and its time after impact [s].
 TOP, TOP_TIME = 1.972e-3, 19.2e-3
 
 #: Absolute, of restitutions, by what they are compared with; the largest that is no rebound.
@@ -65,7 +65,7 @@ def _restitution(track: Track) -> float:
 
 
 def wet_impacts(quick: bool, tell: Tell) -> Found:
-    """Restitution from St 5 to 1000, at the reported and at the default roughness; what changes the film at St 27."""
+    """Restitution from St 5 to 1000 at two roughnesses; what changes the first rebound at St 27."""
     numbers = (10.0, 153.0) if quick else STOKES_NUMBERS
     found = []
     for stokes in numbers:
@@ -80,7 +80,7 @@ def wet_impacts(quick: bool, tell: Tell) -> Found:
         other.append(_restitution(_impact(stokes, lubrication_roughness=DEFAULT)))
         yield Row(f"restitution, St {stokes:g}, roughness {DEFAULT:g} a (default)", other[-1], legendre(stokes),
                   source=CURVE_SOURCE)  # fmt: skip
-    yield from _film(tell)
+    yield from _at_27(tell)
     line = np.geomspace(5.0, 1000.0, 100)
     yield Chart(
         "wet_impacts",
@@ -107,12 +107,12 @@ def _judged(stokes: float, restitution: float) -> Found:
     curve = legendre(stokes)
     yield Row(f"{name}, correlation", restitution, curve, CURVE_BAND / curve, source=CURVE_SOURCE)
     if stokes in MEASURED:
-        # a first impact in liquid at rest, that of the film at St 152; for the others see `rebound` and `_film`
+        # a first impact in liquid at rest, that of the recording at St 152; for the others see `rebound` and `_at_27`
         band = POINT_BAND / MEASURED[stokes] if stokes == 153.0 else None
         yield Row(f"{name}, measured", restitution, MEASURED[stokes], band, source=SOURCE)
 
 
-def _film(tell: Tell) -> Found:
+def _at_27(tell: Tell) -> Found:
     """What changes the first rebound at St 27."""
     runs: dict[str, dict[str, Any]] = {
         f"roughness {REPORTED:g} a": {},
@@ -129,7 +129,7 @@ def _film(tell: Tell) -> Found:
         f"roughness {FITTED:g} a, box of 8 diameters": {"lubrication_roughness": FITTED, "width": 8.0},
     }  # fmt: skip
     for name, changes in runs.items():
-        tell(f"film at St 27: {name}")
+        tell(f"St 27: {name}")
         track = _impact(27.0, **changes)
         top = int(np.argmax(np.where(track.time > 0.0, track.gap, -1.0)))
         height, time = 1e3 * float(track.gap[top]), 1e3 * float(track.time[top])
