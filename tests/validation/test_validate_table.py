@@ -16,7 +16,7 @@ from rdpm.studies.validation.basset import basset_speed
 from rdpm.studies.validation.near_contact import lubrication_resistance, resolved_resistance
 from rdpm.studies.validation.near_contact_shear import QUANTITIES, TABLE, resolved_shear, tangential_resistance
 from rdpm.studies.validation.points import crossing, points
-from rdpm.studies.validation.wall_impact import Track, peaks, recorded_impacts
+from rdpm.studies.validation.wall_impact import Sphere, Track, peaks, recorded_impacts, wall_impact
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -108,6 +108,17 @@ def test_tangential_lubrication_is_what_the_grid_misses_of_slip_and_roll(pair):
         np.testing.assert_allclose(resolved[name] + added[name], reference, rtol=0.15, err_msg=name)  # of the case
         if name in ("rotation torque", "shear force", "rotation torque, alike", "rotation torque, opposite"):
             assert resolved[name][-1] < 0.95 * reference[-1]  # there is something to add
+
+
+def test_a_steel_sphere_rebounds_by_what_the_liquid_leaves():
+    thin, thick = (
+        wall_impact(Sphere(6e-3, 0.519, 965.0, mu), 6, 2e-4, {"contact_steps": 8}, start=2.5, after=4e-3)
+        for mu in (0.0321, 0.27)
+    )
+    # St 84: Legendre's curve gives 0.66; at 6 cells a diameter within 0.1. St 10 leaves nothing.
+    assert thin.speed_after(1e-3) / 0.519 == pytest.approx(0.66, abs=0.1)
+    assert 0.01 < thin.deepest < 0.06
+    assert thick.speed_after(1e-3) / 0.519 < 0.02
 
 
 def test_a_chart_becomes_a_picture(tmp_path):
