@@ -24,8 +24,9 @@ DIAMETER, SPEED, OIL, STEEL = 6e-3, 0.519, 965.0, 7800.0
 #: Cells a diameter, step [s], contact steps, start of the centre [diameters].
 CELLS, STEP, CONTACT_STEPS, START = 12, 1e-4, 8, 4.5
 
-#: Delay of the speed after the sphere has left the wall, and time that holds the top of the first rebound at St 27 [s].
-DELAY, AFTER = 1e-3, 0.025
+#: Time from leaving the wall to the reading of the speed, others at St 84, and time that holds the first rebound at
+#: St 27 [s].
+DELAY, OTHER_DELAYS, AFTER = 1e-3, (0.0, 2.4e-3), 0.025
 
 STOKES_NUMBERS = (5.0, 10.0, 27.0, 46.0, 84.0, 153.0, 1000.0)
 NO_REBOUND = 10.0
@@ -70,8 +71,11 @@ def wet_impacts(quick: bool, tell: Tell) -> Found:
     found = []
     for stokes in numbers:
         tell(f"St {stokes:g}")
-        found.append(_restitution(_impact(stokes)))
+        track = _impact(stokes)
+        found.append(_restitution(track))
         yield from _judged(stokes, found[-1])
+        if stokes == 84.0:
+            yield from _at_84(track)
     if quick:
         return
     tell("default roughness")
@@ -110,6 +114,14 @@ def _judged(stokes: float, restitution: float) -> Found:
         # a first impact in liquid at rest, that of the recording at St 152; for the others see `rebound` and `_at_27`
         band = POINT_BAND / MEASURED[stokes] if stokes == 153.0 else None
         yield Row(f"{name}, measured", restitution, MEASURED[stokes], band, source=SOURCE)
+
+
+def _at_84(track: Track) -> Found:
+    """What the time changes at which the speed is read, and a liquid that breaks."""
+    name = f"restitution, St 84, roughness {REPORTED:g} a"
+    for delay in OTHER_DELAYS:
+        yield Row(f"{name}, {1e3 * delay:g} ms after the wall", track.speed_after(delay) / SPEED)
+    yield Row(f"{name}, no lubrication in separation", _restitution(_impact(84.0, lubrication_in_separation=False)))
 
 
 def _at_27(tell: Tell) -> Found:
