@@ -26,6 +26,7 @@ WET = {
 CASES = {
     "soft": WET,
     "hard": WET | {"contact": {"model": "hard-sphere", "restitution": 0.7, "friction": 0.3}},
+    "no fluid force in impacts": WET | {"contact": WET["contact"] | {"fluid_force_in_impact": False}},
     "adaptive": WET | {"time": {"end": 0.2, "step": "adaptive"}},
     "dry": {
         "domain": {"size": [0.04, 0.04, 0.02]},

@@ -16,7 +16,7 @@ from rdpm.studies.validation.basset import basset_speed
 from rdpm.studies.validation.near_contact import lubrication_resistance, resolved_resistance
 from rdpm.studies.validation.near_contact_shear import QUANTITIES, TABLE, resolved_shear, tangential_resistance
 from rdpm.studies.validation.points import crossing, points
-from rdpm.studies.validation.rebound import peaks
+from rdpm.studies.validation.wall_impact import Sphere, Track, peaks, recorded_impacts, wall_impact
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -53,9 +53,29 @@ def test_speed_after_release_is_the_published_one():
 
 
 def test_peaks_are_the_tops_of_the_measured_bounces():
-    found = peaks(*points("gondret_2002", "time_s", "gap_m"))
+    found = peaks(*points("gondret_2002", "time_s", "gap_m"), 3e-5)
     # The published curve: 7.466, 2.234 and 0.520 mm.
     np.testing.assert_allclose(found, [7.466e-3, 2.234e-3, 0.520e-3], rtol=2e-3)
+
+
+def test_a_recording_gives_speed_and_restitution_of_its_impacts():
+    recording = points("gondret_2002", "time_s", "gap_m")
+    found = recorded_impacts(*recording, *recording)
+    # Worked by hand from the frames -5.6, -1.6, 0.4 and 4.4 ms; the later impacts are those at St 77 and 39.
+    assert found[0] == pytest.approx(((3.285 - 0.914) / 4.0, (2.0 - 0.2059) / (3.285 - 0.914)), rel=1e-9)
+    assert [7800.0 * speed * 3e-3 / 0.09 for speed, _ in found] == pytest.approx([154.1, 76.7, 39.5], abs=0.1)
+    # A track that starts elsewhere in time: a bounce at 0.7 of the speed, and nothing after it.
+    time = np.linspace(0.95, 1.05, 1001)
+    gap = np.where(time < 1.0, 0.6 * (1.0 - time), 0.42 * (time - 1.0))
+    ((speed, restitution),) = recorded_impacts(*recording, time, gap)
+    assert (speed, restitution) == pytest.approx((0.6, 0.7), rel=1e-9)
+
+
+def test_speed_after_the_wall_counts_from_the_end_of_the_contact():
+    time = np.array([-2.0, -1.0, 0.0, 1.0, 2.0, 3.0])
+    track = Track(time, np.array([1.0, 0.0, -1.0, 0.0, 1.0, 2.0]), np.array([-1.0, -1.0, 0.5, 4.0, 3.0, 2.0]), 0.1)
+    assert track.speed_after(0.5) == 3.5
+    assert Track(time - 10.0, track.gap, track.speed, 0.1).speed_after(0.5) == 0.0
 
 
 @pytest.mark.parametrize(
@@ -88,6 +108,17 @@ def test_tangential_lubrication_is_what_the_grid_misses_of_slip_and_roll(pair):
         np.testing.assert_allclose(resolved[name] + added[name], reference, rtol=0.15, err_msg=name)  # of the case
         if name in ("rotation torque", "shear force", "rotation torque, alike", "rotation torque, opposite"):
             assert resolved[name][-1] < 0.95 * reference[-1]  # there is something to add
+
+
+def test_a_steel_sphere_rebounds_by_what_the_liquid_leaves():
+    thin, thick = (
+        wall_impact(Sphere(6e-3, 0.519, 965.0, mu), 6, 2e-4, {"contact_steps": 8}, start=2.5, after=4e-3)
+        for mu in (0.0321, 0.27)
+    )
+    # St 84: Legendre's curve gives 0.66; at 6 cells a diameter within 0.1. St 10 leaves nothing.
+    assert thin.speed_after(1e-3) / 0.519 == pytest.approx(0.66, abs=0.1)
+    assert 0.01 < thin.deepest < 0.06
+    assert thick.speed_after(1e-3) / 0.519 < 0.02
 
 
 def test_a_chart_becomes_a_picture(tmp_path):

@@ -45,6 +45,7 @@ _MODELS_OF: dict[str, tuple[Name, ...]] = {
     "cohesion": ("soft-sphere", "hertz"),
     "cohesion_range": ("soft-sphere", "hertz"),
     "substeps": ("soft-sphere", "hertz", "repulsive"),
+    "fluid_force_in_impact": ("soft-sphere", "hertz"),
     "tangential_restitution": ("hard-sphere",),
     "rest_speed": ("hard-sphere",),
     "most_events": ("hard-sphere",),
@@ -129,6 +130,9 @@ class Contact(Model):
         Whether lubrication also holds back surfaces that part; false where the liquid breaks instead of pulling.
     lubrication_tangential
         Whether lubrication also acts against slip and roll of close surfaces, besides their approach.
+    fluid_force_in_impact
+        Whether the fluid acts on a body during an impact; false: weight, contact and lubrication alone do. A contact
+        that bears a load, or began at a Stokes number below 5, is none.
     overlap_warning
         Overlap over the smaller diameter above which a design or a run warns: deeper contacts disturb the flow.
     overlap_limit
@@ -174,6 +178,7 @@ class Contact(Model):
     lubrication_roughness: Annotated[float, Quantity("", gt=0.0, le=0.1)] = 1e-3
     lubrication_in_separation: StrictBool = True
     lubrication_tangential: StrictBool = True
+    fluid_force_in_impact: StrictBool = True
     overlap_warning: Annotated[float, Quantity("", gt=0.0, le=0.05)] = OVERLAP_WARNING
     overlap_limit: Annotated[float, Quantity("", gt=0.0, le=0.5)] = 0.2
     substeps: Annotated[int | None, Whole(1, 100_000), LeftOut("chosen from the contact time")] = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rdpm.contacts import nearest_gaps
-from rdpm.coupling.impacts import outer_iterations
+from rdpm.coupling.impacts import outer_iterations, set_by_contact
 from rdpm.coupling.loads import keep_loads
 from rdpm.coupling.system import System
 
@@ -23,6 +23,7 @@ def step(system: System, dt: float, is_isolated: bool = False) -> None:
     # Positions are those of the new time; velocities are a dry prediction; impulses of contact are known.
     system.prescription.set(bodies, system.time + dt)
     impulse = np.concatenate([contact.impulse, contact.angular_impulse], axis=1)
+    given = set_by_contact(system, contact, load, before, dt)
     watch.lap("contacts")
 
     if fluid is not None and system.mean_flow is not None:
@@ -41,7 +42,7 @@ def step(system: System, dt: float, is_isolated: bool = False) -> None:
         watch.lap("momentum")
         for _ in range(outer_iterations(contact, load, dt, immersed)):
             if immersed is not None:
-                immersed.impose_no_slip(fluid, dt, before, impulse)
+                immersed.impose_no_slip(fluid, dt, before, impulse, given)
                 # The fluid at the markers moves with the bodies; Newton and Euler hold with that forcing.
                 watch.lap("bodies")
             fluid.project(dt)

@@ -40,6 +40,8 @@ class System:
         None in a dry case.
     ranks : Ranks
         That share the box; bodies and contacts are the same on all.
+    has_fluid_force_in_impact : bool
+        Whether the fluid acts on bodies in an impact.
     """
 
     bodies: Bodies
@@ -54,6 +56,7 @@ class System:
     last_contact: ContactStep | None = None
     watch: Stopwatch = field(default_factory=Stopwatch)
     ranks: Ranks = ALONE
+    has_fluid_force_in_impact: bool = True
 
     @property
     def load(self) -> Floats:
@@ -62,6 +65,13 @@ class System:
             return self.immersed.load
         weight = self.bodies.mass[:, None] * self.gravity
         return np.concatenate([weight, np.zeros_like(weight)], axis=1)
+
+    @property
+    def weight(self) -> Floats:
+        """Of each body, less buoyancy, (N, 3) [N]."""
+        displaced = 0.0 if self.fluid is None else self.fluid.density * np.pi / 6.0 * self.bodies.diameter**3
+        weight: Floats = (self.bodies.mass - displaced)[:, None] * self.gravity
+        return weight
 
     @property
     def inertia(self) -> Floats:

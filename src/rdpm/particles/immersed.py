@@ -156,7 +156,9 @@ class ImmersedBodies:
             if len(self.walls):
                 self.walls.spread(fluid.velocity, -unretained * dt)
 
-    def impose_no_slip(self, fluid: Fluid, dt: float, before: Floats, impulse: Floats) -> None:
+    def impose_no_slip(
+        self, fluid: Fluid, dt: float, before: Floats, impulse: Floats, given: NDArray[np.bool_] | None = None
+    ) -> None:
         """Change the fluid velocity to no-slip on the bodies, and the free bodies' velocities with it.
 
         Passes of eq. (6) of docs/theory/immersed_boundary.md, each after eq. (5) of docs/theory/rigid_motion.md. May be
@@ -170,9 +172,11 @@ class ImmersedBodies:
             Velocity and angular velocity at the beginning of the step.
         impulse : ndarray, (N, 6), [N s], [N m s]
             Of contacts and lubrication over the step.
+        given : ndarray of bool, (N,), optional
+            Free bodies that keep their velocities nevertheless: the fluid does not act on them.
         """
         bodies, markers, density = self.bodies, self.markers, fluid.density
-        free = bodies.is_free[:, None]
+        free = (bodies.is_free if given is None else bodies.is_free & ~given)[:, None]
         lagged = density * dt * markers.sums(markers.force)
         interior = markers.interior_motion(fluid.velocity, bodies)
         equation = self.motion.equation(dt, before, impulse, lagged, interior, markers.layer_matrix())
@@ -192,6 +196,8 @@ class ImmersedBodies:
         self.slip_square = sums[:, 6]
         self.slip = float(np.sqrt(self.slip_square.sum() / len(markers))) if len(markers) else 0.0
         self.motion.conclude(equation, applied, dt)
+        if given is not None:
+            self.motion.balance(given, before, impulse, dt)
 
     def close(self, fluid: Fluid, dt: float, before: Floats, impulse: Floats) -> None:
         """After the last projection: measure the interior, store the lagged forces, find the coming load.

@@ -170,6 +170,15 @@ class RigidMotion:
         self.hydrodynamic_force, self.hydrodynamic_torque = on_body[:, :3], on_body[:, 3:]
         self.applied_force = (equation.lagged + applied)[:, :3] / dt
 
+    def balance(self, given: NDArray[np.bool_], before: Floats, impulse: Floats, dt: float) -> None:
+        """Have the forces on bodies of a given velocity be what the motion leaves beside weight and `impulse`, (N, 6).
+
+        Contacts act on more inertia than the body's: these are the forces of the fluid that moves with it.
+        """
+        left = (self._inertia * (self.bodies.velocities - before) - impulse) / dt
+        np.copyto(self.hydrodynamic_force, left[:, :3] - self.weight, where=given[:, None])
+        np.copyto(self.hydrodynamic_torque, left[:, 3:], where=given[:, None])
+
     def close(self, interior_motion: Floats) -> None:
         """After projection: what the interior fluid really gained, and the residual (6)."""
         self.interior = self.momentum(interior_motion)

@@ -121,9 +121,12 @@ class SharedBodies:
         """See `ImmersedBodies.remove_unretained_force`."""
         self.part.remove_unretained_force(fluid, dt, unretained)
 
-    def impose_no_slip(self, fluid: Fluid, dt: float, before: Floats, impulse: Floats) -> None:
+    def impose_no_slip(
+        self, fluid: Fluid, dt: float, before: Floats, impulse: Floats, given: NDArray[np.bool_] | None = None
+    ) -> None:
         """See `ImmersedBodies.impose_no_slip`; the velocities of all bodies are known after `close`."""
-        self.part.impose_no_slip(fluid, dt, before[self.here], impulse[self.here])
+        here = self.here
+        self.part.impose_no_slip(fluid, dt, before[here], impulse[here], None if given is None else given[here])
         self.pass_seconds += self.part.pass_seconds
         self.part.pass_seconds = 0.0
 

@@ -151,9 +151,9 @@ def _system(made: Plan, threads: int, calibration: Calibration, ranks: Ranks) ->
     grid = Grid(box, made.cells, threads, slab_of(made, bodies, ranks))
     flow = Fluid(grid, fluid.density, fluid.nu, made.step.is_explicit, ranks)
     flow.set_velocity(*fluid.initial_velocity)
-    lubrication = None
-    if case.contact.lubrication and len(bodies):
-        h, contact = float(np.cbrt(np.prod(grid.spacing))), case.contact
+    lubrication, contact = None, case.contact
+    if contact.lubrication and len(bodies):
+        h = float(np.cbrt(np.prod(grid.spacing)))
         separation = 1.0 if contact.lubrication_in_separation else 0.0
         lubrication = lubrication_correction(
             fluid.mu, h, contact.lubrication_roughness, calibration, separation, contact.lubrication_tangential,
@@ -166,7 +166,8 @@ def _system(made: Plan, threads: int, calibration: Calibration, ranks: Ranks) ->
         immersed = kind(bodies, flow, gravity, calibration, made.step.longest is not None)
     initial = np.array(fluid.initial_velocity)
     mean_flow = MeanFlow(np.array(fluid.acceleration), case.zero_mean_flow, fluid.density * grid.volume, initial)
-    return System(bodies, contacts, prescription, gravity, flow, immersed, mean_flow, ranks=ranks)
+    return System(bodies, contacts, prescription, gravity, flow, immersed, mean_flow, ranks=ranks,
+                  has_fluid_force_in_impact=contact.fluid_force_in_impact)  # fmt: skip
 
 
 def _bodies(case: Case) -> tuple[Bodies, Prescription]:

@@ -11,11 +11,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm.config.load import load_case
-from rdpm.setup import Simulation
 from rdpm.setup.build import lubrication_correction
 from rdpm.studies.validation.points import points
 from rdpm.studies.validation.result import Chart, Curve, Found, Row, Tell
+from rdpm.studies.validation.slow_motion import SPEED, slow_motion
 
 __all__ = ["lubrication_resistance", "near_contact", "resolved_resistance"]
 
@@ -55,44 +54,9 @@ def resolved_resistance(
     offset : tuple of float, [cells]
         Of the sphere, or of the middle of two, from a corner of a cell; the third only of two.
     """
-    speed = 1e-7
-    x, y = (0.5 * edge + o / across for edge, o in zip(BOX[:2], offset[:2], strict=True))
-    is_wall = pair == "wall"
-    size = [*BOX[:2], BOX[2] if is_wall else BOX[2] + 1.0]
-
-    def heights(gap: float) -> list[float]:
-        # two spheres: half of the gap is between cells, so that neither sits like the other on the grid
-        if is_wall:
-            return [0.5 + 0.5 * gap]
-        return [0.5 * size[2] + sign * (0.5 + 0.25 * gap) + offset[2] / across for sign in (1, -1)]
-
-    bodies = [
-        {
-            "diameter": 1.0,
-            "density": 1.0,
-            "centers": [[x, y, z]],
-            "motion": {"velocity": [0.0, 0.0, -speed if n == 0 else speed]},
-        }
-        for n, z in enumerate(heights(gaps[0]))
-    ]
-    case = {
-        "domain": {"size": size, "boundary": {"x": "periodic", "y": "periodic"}, "gravity": [0, 0, 0]},
-        "fluid": {"density": 1.0, "kinematic_viscosity": 1.0},
-        "bodies": bodies,
-        "resolution": {"cells": [round(edge * across) for edge in size]},
-        "time": {"end": 100.0, "step": step / across**2, "diffusion": "stabilised"},
-        "contact": {"stiffness": 1.0, "restitution": 0.9, "lubrication": False},
-    }
-    simulation = Simulation(load_case(case))
-    immersed = simulation.system.immersed
-    assert immersed is not None
-    found = []
-    for n, gap in enumerate(gaps):
-        simulation.bodies.position[:, 2] = heights(gap)
-        for _ in range(int((NEXT if n else START) / step * (0.5 * across) ** 2)):
-            simulation.advance()
-        force = immersed.hydrodynamic_force[:, 2]
-        found.append(float(np.mean(np.abs(force)) / (3.0 * np.pi * speed)))
+    motions = [{"velocity": [0.0, 0.0, v]} for v in ([-SPEED] if pair == "wall" else [-SPEED, SPEED])]
+    states = slow_motion(pair, across, gaps, offset, motions, box=BOX, step=step, settling=(START, NEXT))
+    found = [float(np.mean(np.abs(state.hydrodynamic_force[:, 2])) / (3.0 * np.pi * SPEED)) for state in states]
     return np.array(found)
 
 

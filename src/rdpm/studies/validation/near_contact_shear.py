@@ -12,12 +12,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rdpm.config.load import load_case
 from rdpm.particles.calibration import CALIBRATION, Calibration
-from rdpm.setup import Simulation
 from rdpm.setup.build import lubrication_correction
 from rdpm.studies.validation.points import points
 from rdpm.studies.validation.result import Chart, Curve, Found, Row, Tell
+from rdpm.studies.validation.slow_motion import SPEED, slow_motion
 
 __all__ = ["near_contact_shear", "resolved_shear", "tangential_resistance"]
 
@@ -51,7 +50,6 @@ OFFSETS = ((0.5, 0.0, 0.45), (0.0, 0.5, 0.2))
 
 #: Edges of the box [diameters].
 BOX = (6.0, 6.0, 5.0)
-SPEED = 1e-7
 
 
 def resolved_shear(
@@ -96,45 +94,14 @@ def _loads(
     motions: list[tuple[Vector, Vector]],
 ) -> tuple[Floats, Floats]:
     """Force over 6 pi mu a U and torque over 8 pi mu a^2 U of each body, (gaps, bodies, 3); rates are U over a."""
-    is_wall = pair == "wall"
-    x, y = (0.5 * edge + o / across for edge, o in zip(BOX[:2], offset[:2], strict=True))
-    size = [*BOX[:2], BOX[2] if is_wall else BOX[2] + 1.0]
-
-    def heights(gap: float) -> list[float]:
-        if is_wall:
-            return [0.5 + 0.5 * gap]
-        # the first is above, so that half of the gap is between cells
-        return [0.5 * size[2] + sign * (0.5 + 0.25 * gap) + offset[2] / across for sign in (1, -1)]
-
-    bodies = [
-        {
-            "diameter": 1.0,
-            "density": 1.0,
-            "centers": [[x, y, z]],
-            "motion": {
-                "velocity": [SPEED * c for c in velocity],
-                "rotation": [2.0 * SPEED * c for c in rotation],
-            },
-        }
-        for z, (velocity, rotation) in zip(heights(gaps[0]), motions, strict=True)
+    given = [
+        {"velocity": [SPEED * c for c in velocity], "rotation": [2.0 * SPEED * c for c in rotation]}
+        for velocity, rotation in motions
     ]
-    simulation = Simulation(load_case({
-        "domain": {"size": size, "boundary": {"x": "periodic", "y": "periodic"}, "gravity": [0, 0, 0]},
-        "fluid": {"density": 1.0, "kinematic_viscosity": 1.0},
-        "bodies": bodies,
-        "resolution": {"cells": [round(edge * across) for edge in size]},
-        "time": {"end": 100.0, "step": STEP / across**2, "diffusion": "stabilised"},
-        "contact": {"stiffness": 1.0, "restitution": 0.9, "lubrication": False},
-    }))  # fmt: skip
-    immersed = simulation.system.immersed
-    assert immersed is not None
     force, torque = [], []
-    for n, gap in enumerate(gaps):
-        simulation.bodies.position[:, 2] = heights(gap)
-        for _ in range(int((NEXT if n else START) / STEP * (0.5 * across) ** 2)):
-            simulation.advance()
-        force.append(immersed.hydrodynamic_force / (3.0 * np.pi * SPEED))
-        torque.append(immersed.hydrodynamic_torque / (2.0 * np.pi * SPEED))
+    for state in slow_motion(pair, across, gaps, offset, given, box=BOX, step=STEP, settling=(START, NEXT)):
+        force.append(state.hydrodynamic_force / (3.0 * np.pi * SPEED))
+        torque.append(state.hydrodynamic_torque / (2.0 * np.pi * SPEED))
     return np.array(force), np.array(torque)
 
 

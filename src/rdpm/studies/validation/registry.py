@@ -20,6 +20,7 @@ from rdpm.studies.validation.simple_cubic import simple_cubic
 from rdpm.studies.validation.stream import stream
 from rdpm.studies.validation.ten_cate import E1, E3, ten_cate
 from rdpm.studies.validation.time_order import time_order
+from rdpm.studies.validation.wet_impacts import wet_impacts
 
 __all__ = ["CASES", "validate"]
 
@@ -35,6 +36,7 @@ CASES: dict[str, tuple[Callable[[bool, Tell], Found], bool]] = {
     "near-contact": (near_contact, True),
     "near-contact-shear": (near_contact_shear, True),
     "rebound": (rebound, True),
+    "wet-impacts": (wet_impacts, False),
     "time-order": (time_order, True),
     "bouncing-sphere": (bouncing_sphere, True),
     "stacked-spheres": (stacked_spheres, True),
