@@ -130,7 +130,8 @@ class SharedBodies:
     def state(self) -> dict[str, NDArray[Any]]:
         """As `ImmersedBodies.state`, whole on the root alone: what the markers have is empty on other ranks."""
         markers, ids = self.markers, self._sharing.ids
-        rows = np.concatenate([ids[:, None], *(v.reshape(len(ids), -1) for v in markers.state().values())], axis=1)
+        of_part = markers.state()
+        rows = np.concatenate([ids[:, None], of_part["force"], of_part["volume"][:, None]], axis=1)
         gathered = rows_on_root(self._ranks, rows[markers.is_own])
         whole = np.empty((self._sharing.markers if self._ranks.rank == 0 else 0, 4))
         whole[gathered[:, 0].astype(np.int64)] = gathered[:, 1:]
