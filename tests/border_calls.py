@@ -176,8 +176,9 @@ CALLS: dict[str, Callable[[], Call]] = {
     ),
     "momentum_rate": lambda: Call(
         _core.momentum_rate,
-        fields(*FLOW, *TENDENCY, *RATE, "p") | {"now": 1.0, "then": 0.0, "nu": 0.1, "force": (0.0,) * 3},
-        (*TENDENCY, *RATE),
+        fields(*FLOW, *TENDENCY, *RATE, "p")
+        | {"now": 1.0, "then": 0.0, "nu": 0.1, "force": (0.0,) * 3, "scratch": scratch(9)},
+        (*TENDENCY, *RATE, "scratch"),
     ),
     "diffuse_stabilised": lambda: Call(
         _core.diffuse_stabilised,

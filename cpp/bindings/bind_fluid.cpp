@@ -41,6 +41,13 @@ void make_grid(Grid* g, const std::array<int, 3>& cells, const Triple& spacing,
     new (g) Grid{cells, spacing, boundary, wall_velocity, threads, planes_below, box_planes, joined};
 }
 
+double* momentum_planes_of(const Grid& g, const InOut<double>& scratch) {
+    require(
+        static_cast<std::size_t>(scratch.rows("scratch", {-1})) >= momentum_scratch * g.plane() * g.threads,
+        "scratch: needs 9 planes a thread");
+    return scratch.checked("scratch", {-1});
+}
+
 void momentum_explicit(const Grid& g, const InOut<double>& u, const InOut<double>& v, const InOut<double>& w,
                        const InOut<double>& tendency_u, const InOut<double>& tendency_v,
                        const InOut<double>& tendency_w, const In<double>& p, double dt, double now,
@@ -49,9 +56,7 @@ void momentum_explicit(const Grid& g, const InOut<double>& u, const InOut<double
         stored{field(g, tendency_u, "tendency_u"), field(g, tendency_v, "tendency_v"),
                field(g, tendency_w, "tendency_w")};
     const double* pressure = field(g, p, "p");
-    double* planes = scratch.checked("scratch", {-1});
-    require(static_cast<std::size_t>(scratch.rows("scratch", {-1})) >= 9 * g.plane() * g.threads,
-            "scratch: needs 9 planes a thread");
+    double* planes = momentum_planes_of(g, scratch);
     nb::gil_scoped_release released;
     momentum<true>(g, q, stored, {}, pressure, {dt, now, then, nu, {force[0], force[1], force[2]}}, planes);
 }
@@ -60,15 +65,16 @@ void momentum_rate(const Grid& g, const In<double>& u, const In<double>& v, cons
                    const InOut<double>& tendency_u, const InOut<double>& tendency_v,
                    const InOut<double>& tendency_w, const InOut<double>& rate_u, const InOut<double>& rate_v,
                    const InOut<double>& rate_w, const In<double>& p, double now, double then, double nu,
-                   const Triple& force) {
+                   const Triple& force, const InOut<double>& scratch) {
     const VelocityView q{field(g, u, "u"), field(g, v, "v"), field(g, w, "w")};
     const VelocityArrays stored{field(g, tendency_u, "tendency_u"), field(g, tendency_v, "tendency_v"),
                                 field(g, tendency_w, "tendency_w")},
         rate{field(g, rate_u, "rate_u"), field(g, rate_v, "rate_v"), field(g, rate_w, "rate_w")};
     const double* pressure = field(g, p, "p");
+    double* planes = momentum_planes_of(g, scratch);
     nb::gil_scoped_release released;
     momentum<false>(g, q, stored, rate, pressure, {0.0, now, then, nu, {force[0], force[1], force[2]}},
-                    nullptr);
+                    planes);
 }
 
 void diffuse_stabilised(const Grid& g, const InOut<double>& velocity, const InOut<double>& rate,
@@ -256,7 +262,7 @@ void bind_fluid(nb::module_& module) {
                "scratch"_a);
     module.def("momentum_rate", &momentum_rate, "grid"_a, "u"_a, "v"_a, "w"_a, "tendency_u"_a, "tendency_v"_a,
                "tendency_w"_a, "rate_u"_a, "rate_v"_a, "rate_w"_a, "p"_a, "now"_a, "then"_a, "nu"_a,
-               "force"_a);
+               "force"_a, "scratch"_a);
     module.def("diffuse_stabilised", &diffuse_stabilised, "grid"_a, "velocity"_a, "rate"_a, "component"_a,
                "dt"_a, "nu"_a, "stages"_a, "scratch"_a, "below"_a, "above"_a);
     module.def("fill_halo", &fill_field_halo, "grid"_a, "field"_a, "location"_a);

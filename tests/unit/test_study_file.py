@@ -120,6 +120,15 @@ def test_runs_that_parts_share_are_made_once():
     assert [run.study for run in made.runs] == ["one", "one", "two", "two"]
 
 
+def test_runs_that_differ_in_the_fields_they_write_are_made_once_with_most_of_them():
+    parts = [sweep(name=f"every-{n}", base={"case": MEETING, "set": {"output.fields_every": every}})
+             for n, every in enumerate((0.0, 0.01, 0.02))]
+    made = prepare(load_study({"include": parts}))
+    assert made.names == ["every-0/contact_steps-12", "every-0/contact_steps-20"] * 3
+    assert [job.is_start for job in made.jobs] == [True, False, False]
+    assert {case.output.fields_every for case in made.cases.values()} == {0.01}
+
+
 def test_quick_takes_some_runs_evenly_and_leaves_the_spread_out():
     study = load_study(sweep(
         vary={"contact.contact_steps": [10, 12, 14, 16, 18]},

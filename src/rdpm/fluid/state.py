@@ -21,6 +21,9 @@ __all__ = ["Fluid"]
 
 Field = NDArray[np.float64]
 
+#: Planes of scratch a thread that the momentum kernels need.
+MOMENTUM_SCRATCH = 9
+
 
 @dataclass
 class Fluid:
@@ -150,7 +153,7 @@ class Fluid:
         core, (u, v, w), (su, sv, sw) = self.grid.core, self.velocity, self.tendency
         nu = self.kinematic_viscosity
         stages = stages or stages_for(dt, self.grid.spacing, nu)
-        planes = 9 if self.is_explicit else 3 * max(stages - 2, 1)
+        planes = MOMENTUM_SCRATCH if self.is_explicit else max(MOMENTUM_SCRATCH, 3 * (stages - 2))
         size = planes * u[0].size * self.grid.threads
         if self._scratch.size < size:
             self._scratch = np.zeros(size)
@@ -158,7 +161,7 @@ class Fluid:
             _core.momentum_explicit(core, u, v, w, su, sv, sw, self.p, dt, now, then, nu, force, self._scratch)
         else:
             ru, rv, rw = self._rate
-            _core.momentum_rate(core, u, v, w, su, sv, sw, ru, rv, rw, self.p, now, then, nu, force)
+            _core.momentum_rate(core, u, v, w, su, sv, sw, ru, rv, rw, self.p, now, then, nu, force, self._scratch)
             others = [(self._no_planes, self._no_planes)] * 3
             if self._halo is not None:
                 others = self._halo.deep(self._rate, stages - 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -105,7 +105,7 @@ def prepare(study: LoadedStudy, quick: bool = False) -> Prepared:
     >>> [job.name for job in made.jobs]
     ['start-1', 'stiffness-1000dyn_cm', 'stiffness-5e4dyn_cm', 'stiffness-5e5dyn_cm']
     """
-    runs = expand(study, quick)
+    runs = _with_most_fields(expand(study, quick))
     keeps_plane = _keeps_plane(study)
     starts: dict[str, Job] = {}
     jobs: dict[str, Job] = {}
@@ -128,6 +128,24 @@ def prepare(study: LoadedStudy, quick: bool = False) -> Prepared:
             cases[name] = run.case
         names.append(jobs[key].name)
     return Prepared(study, runs, names, [*starts.values(), *jobs.values()], cases)
+
+
+def _with_most_fields(runs: list[StudyRun]) -> list[StudyRun]:
+    """Of runs and starts that differ only in the fields they write, all become the one that writes most."""
+
+    def written(case: Case) -> float:
+        """Fields a second."""
+        every = case.output.fields_every
+        return 1.0 / every if every else 0.0
+
+    def key(case: Case) -> str:
+        return _fingerprint(case.model_copy(update={"output": case.output.model_copy(update={"fields_every": 0.0})}))
+
+    most: dict[str, Case] = {}
+    for case in (case for run in runs for case in (run.case, run.start) if case is not None):
+        if written(case) >= written(most.setdefault(key(case), case)):
+            most[key(case)] = case
+    return [replace(run, case=most[key(run.case)], start=run.start and most[key(run.start)]) for run in runs]
 
 
 def _fingerprint(case: Case, start: Job | None = None) -> str:

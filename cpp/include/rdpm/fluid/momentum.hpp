@@ -1,8 +1,8 @@
 // Momentum: advection and diffusion of the staggered velocity, Adams-Bashforth 2 in time.
 //
-// Point functions give the tendency of one face from a window of planes; the loops walk the planes from
-// bottom to top and write the new velocity over the old, behind copies of the last two old planes, so that no
-// second velocity exists.
+// What leaves a cell enters the next one: every flux is computed once and kept for the face's other side,
+// until the next row (y) or plane (z). The loops walk the planes from bottom to top; since what lies behind
+// enters through kept fluxes alone, the new velocity is written over the old one.
 #pragma once
 #include <omp.h>
 
@@ -13,53 +13,6 @@
 #include "rdpm/grid/grid.hpp"
 
 namespace rdpm {
-
-// Old planes k-1, k, k+1 of one velocity component.
-struct Window {
-    const double *below, *here, *above;
-};
-
-struct Tendency {
-    double ax, ay, az;  // 1 / (4 spacing): advection of two averages
-    double dx, dy, dz;  // nu / spacing^2: diffusion
-    std::size_t row;
-
-    Tendency(const Grid& g, double nu)
-        : ax(0.25 / g.spacing[0]),
-          ay(0.25 / g.spacing[1]),
-          az(0.25 / g.spacing[2]),
-          dx(nu / (g.spacing[0] * g.spacing[0])),
-          dy(nu / (g.spacing[1] * g.spacing[1])),
-          dz(nu / (g.spacing[2] * g.spacing[2])),
-          row(g.row()) {}
-
-    double diffusion(const Window& q, std::size_t i) const {
-        const double* c = q.here + i;
-        return dx * (c[1] - 2.0 * c[0] + c[-1]) + dy * (c[row] - 2.0 * c[0] + *(c - row)) +
-               dz * (q.above[i] - 2.0 * c[0] + q.below[i]);
-    }
-    double advection_u(const Window& u, const Window& v, const Window& w, std::size_t i) const {
-        const double *c = u.here + i, *s = v.here + i, *t = w.here + i, *b = w.below + i;
-        const double east = c[0] + c[1], west = c[-1] + c[0];
-        return -ax * (east * east - west * west) -
-               ay * ((c[0] + c[row]) * (s[0] + s[1]) - (*(c - row) + c[0]) * (*(s - row) + *(s - row + 1))) -
-               az * ((c[0] + u.above[i]) * (t[0] + t[1]) - (u.below[i] + c[0]) * (b[0] + b[1]));
-    }
-    double advection_v(const Window& u, const Window& v, const Window& w, std::size_t i) const {
-        const double *c = v.here + i, *s = u.here + i, *t = w.here + i, *b = w.below + i;
-        const double north = c[0] + c[row], south = *(c - row) + c[0];
-        return -ax * ((c[0] + c[1]) * (s[0] + s[row]) - (c[-1] + c[0]) * (s[-1] + s[row - 1])) -
-               ay * (north * north - south * south) -
-               az * ((c[0] + v.above[i]) * (t[0] + t[row]) - (v.below[i] + c[0]) * (b[0] + b[row]));
-    }
-    double advection_w(const Window& u, const Window& v, const Window& w, std::size_t i) const {
-        const double *c = w.here + i, *e = u.here + i, *ea = u.above + i, *n = v.here + i, *na = v.above + i;
-        const double top = c[0] + w.above[i], bottom = w.below[i] + c[0];
-        return -ax * ((c[0] + c[1]) * (e[0] + ea[0]) - (c[-1] + c[0]) * (e[-1] + ea[-1])) -
-               ay * ((c[0] + c[row]) * (n[0] + na[0]) - (*(c - row) + c[0]) * (*(n - row) + *(na - row))) -
-               az * (top * top - bottom * bottom);
-    }
-};
 
 struct MomentumStep {
     double dt;         // [s]; used by the explicit step
@@ -79,18 +32,94 @@ struct VelocityView {
     VelocityView(const VelocityArrays& q) : u(q.u), v(q.v), w(q.w) {}
 };
 
-// One row of faces: the tendency replaces the stored one, `finish(i, total)` gets now*new - then*stored -
-// grad p + force.
-template <class Advection, class Finish>
-inline void momentum_row(int nx, std::size_t offset, double* stored, const double* p, const double* p_next,
-                         double inverse_spacing, const MomentumStep& step, double force, Advection&& tendency,
-                         Finish&& finish) {
+// Through the face between a and b, from a to b, over the spacing across it.
+template <bool with_diffusion>
+struct FaceFlux {
+    double advect, diffuse;  // 1 / (4 spacing): of two sums; nu / spacing^2
+
+    FaceFlux(double spacing, double nu) : advect(0.25 / spacing), diffuse(nu / (spacing * spacing)) {}
+    // `carrier`: the sum of the two velocities across the face.
+    double operator()(double a, double b, double carrier) const {
+        if constexpr (with_diffusion)
+            return advect * (a + b) * carrier - diffuse * (b - a);
+        else
+            return advect * (a + b) * carrier;
+    }
+};
+
+// The old velocity from one row on: of this plane, the row north of it, the plane above.
+struct RowWindow {
+    const double *u, *v, *w, *u_north, *v_north, *w_north, *u_above, *v_above, *w_above;
+
+    RowWindow(const double* const here[3], const double* const above[3], std::size_t o, std::size_t row)
+        : u(here[0] + o),
+          v(here[1] + o),
+          w(here[2] + o),
+          u_north(u + row),
+          v_north(v + row),
+          w_north(w + row),
+          u_above(above[0] + o),
+          v_above(above[1] + o),
+          w_above(above[2] + o) {}
+};
+
+template <bool with_diffusion>
+struct Fluxes {
+    using Flux = FaceFlux<with_diffusion>;
+    Flux x, y, z;
+
+    Fluxes(const Grid& g, double nu) : x(g.spacing[0], nu), y(g.spacing[1], nu), z(g.spacing[2], nu) {}
+
+    // Through the northern and the upper face around u, v and w.
+    auto north_u(const RowWindow& q) const {
+        return [q, f = y](int i) { return f(q.u[i], q.u_north[i], q.v[i] + q.v[i + 1]); };
+    }
+    auto north_v(const RowWindow& q) const {
+        return [q, f = y](int i) { return f(q.v[i], q.v_north[i], q.v[i] + q.v_north[i]); };
+    }
+    auto north_w(const RowWindow& q) const {
+        return [q, f = y](int i) { return f(q.w[i], q.w_north[i], q.v[i] + q.v_above[i]); };
+    }
+    auto upper_u(const RowWindow& q) const {
+        return [q, f = z](int i) { return f(q.u[i], q.u_above[i], q.w[i] + q.w[i + 1]); };
+    }
+    auto upper_v(const RowWindow& q) const {
+        return [q, f = z](int i) { return f(q.v[i], q.v_above[i], q.w[i] + q.w_north[i]); };
+    }
+    auto upper_w(const RowWindow& q) const {
+        return [q, f = z](int i) { return f(q.w[i], q.w_above[i], q.w[i] + q.w_above[i]); };
+    }
+    // Through the faces west of 1 to nx + 1.
+    void west(const RowWindow& q, int nx, double* u, double* v, double* w) const {
 #pragma omp simd
-    for (int n = 1; n <= nx; ++n) {
-        const std::size_t i = offset + n;
-        const double fresh = tendency(i);
-        const double total =
-            step.now * fresh - step.then * stored[i] - (p_next[i] - p[i]) * inverse_spacing + force;
+        for (int i = 1; i <= nx + 1; ++i) {
+            u[i] = x(q.u[i - 1], q.u[i], q.u[i - 1] + q.u[i]);
+            v[i] = x(q.v[i - 1], q.v[i], q.u[i - 1] + q.u_north[i - 1]);
+            w[i] = x(q.w[i - 1], q.w[i], q.u[i - 1] + q.u_above[i - 1]);
+        }
+    }
+};
+
+inline void fill_row(int nx, double* row, const auto& value) {
+#pragma omp simd
+    for (int i = 1; i <= nx; ++i) row[i] = value(i);
+}
+
+// One row of one component: `west`, `south` and `below` are the fluxes into it, and those to the north and
+// above replace the last two; the tendency replaces the stored one, `finish(i, total)` gets now*new -
+// then*stored - grad p + force.
+inline void momentum_row(int nx, const double* west, double* south, double* below, double* stored,
+                         const double* p, const double* p_next, double inverse_spacing,
+                         const MomentumStep& step, double force, const auto& north, const auto& upper,
+                         const auto& finish) {
+    const double now = step.now, then = step.then;
+#pragma omp simd
+    for (int i = 1; i <= nx; ++i) {
+        const double to_north = north(i), up = upper(i);
+        const double fresh = (west[i] - west[i + 1]) + (south[i] - to_north) + (below[i] - up);
+        south[i] = to_north;
+        below[i] = up;
+        const double total = now * fresh - then * stored[i] - (p_next[i] - p[i]) * inverse_spacing + force;
         stored[i] = fresh;
         finish(i, total);
     }
@@ -100,80 +129,119 @@ inline void momentum_row(int nx, std::size_t offset, double* stored, const doubl
 template <bool explicit_diffusion>
 using StepVelocity = std::conditional_t<explicit_diffusion, VelocityArrays, VelocityView>;
 
-// Planes of one thread, bottom to top. `scratch`: 9 planes a thread (three components: below, here, one saved
-// above). explicit_diffusion: velocity += dt * total in place; otherwise total + nu lap(velocity) goes to
-// `rate`.
+// Planes of scratch a thread: fluxes through the lower faces (3), old velocity above its last plane (3),
+// rows.
+constexpr std::size_t momentum_scratch = 9;
+
+// The planes of one thread, bottom to top. explicit_diffusion: velocity += dt * total in place; otherwise
+// total
+// + nu lap(velocity) goes to `rate`.
 template <bool explicit_diffusion>
-inline void momentum_planes(const Grid& g, StepVelocity<explicit_diffusion> q, VelocityArrays stored,
-                            VelocityArrays rate, const double* p, const MomentumStep& step, double* scratch,
-                            int first, int last, const auto& wait) {
-    const std::size_t plane = g.plane(), row = g.row(), bytes = plane * sizeof(double);
-    const Tendency t(g, step.nu);
-    decltype(q.u) field[3] = {q.u, q.v, q.w};
-    VelocityArrays result = rate;
-    if constexpr (explicit_diffusion) result = q;
-    double* buffer[3][3];
-    const double* old[3][3];
-    if constexpr (explicit_diffusion) {
+class MomentumSweep {
+  public:
+    MomentumSweep(const Grid& g, StepVelocity<explicit_diffusion> q, VelocityArrays stored,
+                  VelocityArrays rate, const double* p, const MomentumStep& step, double* scratch, int first,
+                  int last)
+        : g_(g),
+          flux_(g, step.nu),
+          step_(step),
+          field_{q.u, q.v, q.w},
+          stored_{stored.u, stored.v, stored.w},
+          result_{rate.u, rate.v, rate.w},
+          p_(p),
+          first_(first),
+          last_(last),
+          plane_(g.plane()),
+          row_(g.row()) {
         for (int c = 0; c < 3; ++c) {
-            for (int b = 0; b < 3; ++b) buffer[c][b] = scratch + (3 * c + b) * plane;
-            std::memcpy(buffer[c][0], field[c] + (first - 1) * plane, bytes);
-            std::memcpy(buffer[c][2], field[c] + last * plane, bytes);
+            if constexpr (explicit_diffusion) result_[c] = field_[c];
+            below_[c] = scratch + c * plane_;
+            saved_[c] = scratch + (3 + c) * plane_;
+            west_[c] = scratch + 6 * plane_ + c * row_;
+            south_[c] = scratch + 6 * plane_ + (3 + c) * row_;
+            inverse_[c] = 1.0 / g.spacing[c];
+            diffuse_[c] = step.nu / (g.spacing[c] * g.spacing[c]);
         }
+        new_w_ = scratch + 6 * plane_ + 6 * row_;
     }
-    wait();  // the neighbours may overwrite their edge planes only now
-    for (int k = first; k < last; ++k) {
-        const std::size_t base = k * plane;
-        for (int c = 0; c < 3; ++c) {
-            if constexpr (explicit_diffusion) {
-                std::memcpy(buffer[c][1], field[c] + base, bytes);
-                old[c][0] = buffer[c][0];
-                old[c][1] = buffer[c][1];
-                old[c][2] = k + 1 == last ? buffer[c][2] : field[c] + base + plane;
-            } else {
-                for (int b = 0; b < 3; ++b)
-                    old[c][b] = field[c] + base + (b - 1) * static_cast<std::ptrdiff_t>(plane);
-            }
-        }
-        const Window u{old[0][0], old[0][1], old[0][2]}, v{old[1][0], old[1][1], old[1][2]},
-            w{old[2][0], old[2][1], old[2][2]};
-        const double *pk = p + base, *pa = pk + plane;
-        double *su = stored.u + base, *sv = stored.v + base, *sw = stored.w + base;
-        const auto finish = [&](double* target, const Window& self) {
-            return [&t, &step, target, self](std::size_t i, double total) {
-                if constexpr (explicit_diffusion)
-                    target[i] = self.here[i] + step.dt * total;
-                else
-                    target[i] = total + t.diffusion(self, i);
-            };
-        };
-        const auto tendency = [&](auto advection, const Window& self) {
-            return [&, advection, self](std::size_t i) {
-                if constexpr (explicit_diffusion)
-                    return advection(i) + t.diffusion(self, i);
-                else
-                    return advection(i);
-            };
-        };
-        double *tu = result.u + base, *tv = result.v + base, *tw = result.w + base;
-        const bool inner_face = k <= g.last_face(2);
-        for (int j = 1; j <= g.ny(); ++j) {
-            const std::size_t o = j * row;
-            momentum_row(g.nx(), o, su, pk, pk + 1, 1.0 / g.spacing[0], step, step.force[0],
-                         tendency([&](std::size_t i) { return t.advection_u(u, v, w, i); }, u),
-                         finish(tu, u));
-            momentum_row(g.nx(), o, sv, pk, pk + row, 1.0 / g.spacing[1], step, step.force[1],
-                         tendency([&](std::size_t i) { return t.advection_v(u, v, w, i); }, v),
-                         finish(tv, v));
-            if (inner_face)
-                momentum_row(g.nx(), o, sw, pk, pa, 1.0 / g.spacing[2], step, step.force[2],
-                             tendency([&](std::size_t i) { return t.advection_w(u, v, w, i); }, w),
-                             finish(tw, w));
-        }
+
+    // What of the old velocity other threads may overwrite: the plane above, and the fluxes from below.
+    void begin() {
         if constexpr (explicit_diffusion)
-            for (int c = 0; c < 3; ++c) std::swap(buffer[c][0], buffer[c][1]);
+            for (int c = 0; c < 3; ++c)
+                std::memcpy(saved_[c], field_[c] + last_ * plane_, plane_ * sizeof(double));
+        look(first_ - 1);
+        for (int j = 1; j <= g_.ny(); ++j) {
+            const std::size_t o = j * row_;
+            const RowWindow old(here_, above_, o, row_);
+            fill_row(g_.nx(), below_[0] + o, flux_.upper_u(old));
+            fill_row(g_.nx(), below_[1] + o, flux_.upper_v(old));
+            fill_row(g_.nx(), below_[2] + o, flux_.upper_w(old));
+        }
     }
-}
+    void planes() {
+        for (int k = first_; k < last_; ++k) {
+            look(k);
+            const RowWindow halo(here_, above_, 0, row_);
+            fill_row(g_.nx(), south_[0], flux_.north_u(halo));
+            fill_row(g_.nx(), south_[1], flux_.north_v(halo));
+            fill_row(g_.nx(), south_[2], flux_.north_w(halo));
+            for (int j = 1; j <= g_.ny(); ++j) row(k, j);
+        }
+    }
+
+  private:
+    void look(int k) {
+        for (int c = 0; c < 3; ++c) {
+            here_[c] = field_[c] + k * plane_;
+            above_[c] = explicit_diffusion && k + 1 == last_ ? saved_[c] : here_[c] + plane_;
+        }
+    }
+
+    // w first, as its fluxes need the old v; where it replaces w, it waits for v, whose fluxes need the old
+    // w.
+    void row(int k, int j) {
+        const std::size_t o = j * row_, at = k * plane_ + o;
+        const RowWindow old(here_, above_, o, row_);
+        const bool has_w = k <= g_.last_face(2);  // else the wall
+        flux_.west(old, g_.nx(), west_[0], west_[1], west_[2]);
+        double* w = explicit_diffusion ? new_w_ : result_[2] + at;
+        if (has_w) advance(2, w, o, at, plane_, flux_.north_w(old), flux_.upper_w(old));
+        advance(0, result_[0] + at, o, at, 1, flux_.north_u(old), flux_.upper_u(old));
+        advance(1, result_[1] + at, o, at, row_, flux_.north_v(old), flux_.upper_v(old));
+        if (explicit_diffusion && has_w) std::copy_n(new_w_ + 1, g_.nx(), result_[2] + at + 1);
+    }
+    // Component c of the row at `o` of its plane and `at` of the field; `next`: to the pressure beyond the
+    // face.
+    void advance(int c, double* target, std::size_t o, std::size_t at, std::size_t next, const auto& north,
+                 const auto& upper) {
+        const double *self = here_[c] + o, *p = p_ + at;
+        const double dt = step_.dt, dx = diffuse_[0], dy = diffuse_[1], dz = diffuse_[2];
+        const std::size_t row = row_, plane = plane_;
+        momentum_row(g_.nx(), west_[c], south_[c], below_[c] + o, stored_[c] + at, p, p + next, inverse_[c],
+                     step_, step_.force[c], north, upper, [=](int i, double total) {
+                         const double* s = self + i;
+                         if constexpr (explicit_diffusion)
+                             target[i] = *s + dt * total;
+                         else
+                             target[i] = total + dx * (s[1] - 2.0 * *s + s[-1]) +
+                                         dy * (s[row] - 2.0 * *s + *(s - row)) +
+                                         dz * (s[plane] - 2.0 * *s + *(s - plane));
+                     });
+    }
+
+    const Grid& g_;
+    const Fluxes<explicit_diffusion> flux_;
+    const MomentumStep step_;
+    decltype(StepVelocity<explicit_diffusion>::u) field_[3];
+    double *stored_[3], *result_[3];
+    const double* p_;
+    const int first_, last_;
+    const std::size_t plane_, row_;
+    double *below_[3], *saved_[3], *west_[3], *south_[3], *new_w_;  // scratch
+    double inverse_[3], diffuse_[3];                                // 1 / spacing, nu / spacing^2
+    const double *here_[3]{}, *above_[3]{};                         // old planes
+};
 
 template <bool explicit_diffusion>
 inline void momentum(const Grid& g, StepVelocity<explicit_diffusion> q, VelocityArrays stored,
@@ -183,11 +251,11 @@ inline void momentum(const Grid& g, StepVelocity<explicit_diffusion> q, Velocity
     {
         const int team = omp_get_num_threads(), me = omp_get_thread_num();
         const auto [first, last] = share_of(g.nz(), me, team);
-        const auto wait = [] {
+        MomentumSweep<explicit_diffusion> sweep(g, q, stored, rate, p, step,
+                                                scratch + momentum_scratch * me * g.plane(), first, last);
+        sweep.begin();
 #pragma omp barrier
-        };
-        momentum_planes<explicit_diffusion>(g, q, stored, rate, p, step, scratch + 9 * me * g.plane(), first,
-                                            last, wait);
+        sweep.planes();
     }
 }
 

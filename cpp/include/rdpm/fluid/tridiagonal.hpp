@@ -102,7 +102,9 @@ class Tridiagonal {
             for (int i = 0; i < n; ++i) r[i] *= c[i];
             for (int i = n; i < nx_; ++i) r[i] *= rho[i];
         } else {
+#pragma omp simd
             for (int i = 0; i < n; ++i) r[i] = (r[i] + before[i]) * c[i];
+#pragma omp simd
             for (int i = n; i < nx_; ++i) r[i] = (r[i] + before[i]) * rho[i];
         }
         if (!kind.has_outer) return;
@@ -120,7 +122,9 @@ class Tridiagonal {
         const Elimination& kind = kind_[half_[half].kind];
         const int n = kind.c.count(t, j);
         const double *c = kind.c.row(t, j), *rho = rho_.data() + static_cast<std::size_t>(j) * nx_;
+#pragma omp simd
         for (int i = 0; i < n; ++i) carry[i] = g[i] + c[i] * carry[i];
+#pragma omp simd
         for (int i = n; i < nx_; ++i) carry[i] = g[i] + rho[i] * carry[i];
         if (!kind.has_outer) return;
         const double* e = kind.e.row(t, j);
