@@ -131,11 +131,10 @@ class MarkerSet:
         """`sums` of the lagged force, `interior_motion` and `layer_matrix`: what a step's equations are made of."""
         return self.sums(self.force), self.interior_motion(velocity, bodies), self.layer_matrix()
 
-    def sums(self, values: Floats, volume: Floats | None = None) -> Floats:
-        """Of each body, (N, 6): sum of volume * value, and of arm x (volume * value); `volume`: others, (M,)."""
+    def sums(self, values: Floats) -> Floats:
+        """Of each body, (N, 6): sum of volume * value, and of arm x (volume * value)."""
         out = np.empty((self.first.size - 1, 6))
-        volume = self.volume if volume is None else volume
-        _core.sum_over_markers(self.first, self.arm, volume, values, self.grid.threads, out)
+        _core.sum_over_markers(self.first, self.arm, self.volume, values, self.grid.threads, out)
         return out
 
     def force_rigid(self, bodies: Bodies, dt: float) -> tuple[Floats, Floats]:
@@ -170,7 +169,9 @@ class MarkerSet:
 
         Markers excluded on one side leave first moments: translation and rotation are coupled.
         """
-        return layer_matrices(self._moments(self.volume))
+        moments = np.empty((self.first.size - 1, 10))
+        _core.marker_moments(self.first, self.arm, self.volume, self.grid.threads, moments)
+        return layer_matrices(moments)
 
     def exclude(self, bodies: Bodies, close: NDArray[np.int32], least: float) -> None:
         """Reduce the volume of markers that are close to another surface.
@@ -213,12 +214,6 @@ class MarkerSet:
         sums = np.empty((len(bodies), 12))
         self._stencils.inner_sums(self.grid.core, *velocity, bodies.position, 0.5 * bodies.diameter, sums)
         return sums
-
-    def _moments(self, volume: Floats) -> Floats:
-        """Of each body's markers, of these volumes, (N, 10): volume, first and second moments."""
-        moments = np.empty((self.first.size - 1, 10))
-        _core.marker_moments(self.first, self.arm, volume, self.grid.threads, moments)
-        return moments
 
 
 def means(inner_sums: Floats) -> Floats:

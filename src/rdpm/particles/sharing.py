@@ -304,11 +304,13 @@ class Sharing:
         self._z, self._orientation = bodies.position[:, 2].copy(), bodies.orientation.copy()
         return gained
 
-    def own_markers(self, z: Floats) -> Bools:
-        """Of the markers here, at these heights, which this rank alone counts: (m,)."""
-        own, shared = np.ones(len(z), bool), self.of_markers.shared
-        own[shared] = self._cuts.owner(z[shared]) == self._ranks.rank
-        return own
+    def own_and_touching(self, z: Floats) -> tuple[Bools, Bools]:
+        """Of the markers here, at these heights, those in this slab, and those that touch its planes: (m,) each."""
+        own, touching = np.ones((2, len(z)), bool)
+        shared, rank = self.of_markers.shared, self._ranks.rank
+        own[shared] = self._cuts.owner(z[shared]) == rank
+        touching[shared] = self._cuts.touched(z[shared])[rank]
+        return own, touching
 
     def _moved(self, ids: Ids, then: Bools, now: Bools, kept: Ids, values: Floats) -> Floats:
         """Values of the markers held now: `ids`, which ranks held `then`, and hold `now`; `kept`: those held here."""
