@@ -8,6 +8,7 @@ from builders import D, in_oil, oil_case
 from rdpm.errors import CaseError
 from rdpm.parallel.decomposition import cut
 from rdpm.parallel.ranks import ALONE
+from rdpm.particles import sharing
 from thread_ranks import on_ranks
 
 STEPS = 30
@@ -85,6 +86,28 @@ def test_a_sphere_takes_its_lagged_forces_to_the_next_slab() -> None:
     assert (begin_lower, begin_upper) == (0, 1)
     assert (len(lower.system.immersed.here), len(upper.system.immersed.here)) == (1, 0)
     np.testing.assert_allclose(lower.bodies.velocity, one.bodies.velocity, rtol=0.0, atol=1e-12)
+
+
+def test_results_do_not_depend_on_which_other_markers_a_rank_holds(monkeypatch) -> None:
+    """As after a resumption: who holds the markers was then found at another step."""
+    spun = BIG | {"velocity": [0.0, 0.1, 0.6], "angular_velocity": [5.0, 30.0, 9.0]}
+    case = rdpm.load_case(oil_case(resolution__cells_per_diameter=8, bodies=[spun], domain__boundary=PERIODIC))
+    found = []
+    for skin in (0.2, 1.0):
+        monkeypatch.setattr(sharing, "SKIN", skin)
+        monkeypatch.setattr(sharing.held_markers, "__defaults__", (skin,))
+        renewed = []
+        renew = sharing.Sharing.renew
+        with monkeypatch.context() as patch:
+            patch.setattr(sharing.Sharing, "renew", lambda *a, of=renewed, do=renew: of.append(1) or do(*a))
+            found.append((on_ranks(3, lambda ranks: advanced(case, ranks)), len(renewed)))
+    (often, more), (seldom, fewer) = found
+    assert more > fewer
+    for one, other in zip(often, seldom, strict=True):
+        for name in ("position", "velocity", "angular_velocity"):
+            np.testing.assert_array_equal(getattr(one.bodies, name), getattr(other.bodies, name))
+        assert one.system.immersed.slip == other.system.immersed.slip
+        np.testing.assert_array_equal(one.fluid.u[1:-1], other.fluid.u[1:-1])
 
 
 def test_more_ranks_than_slabs_are_refused() -> None:

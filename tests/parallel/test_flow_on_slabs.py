@@ -84,19 +84,23 @@ def test_halos_between_slabs_are_current_after_a_projection() -> None:
 
 
 def test_a_rank_sends_the_planes_of_the_design() -> None:
-    """Explicit step of an inner rank: w up, interfaces 4, increment down, u, v, w both ways and p down: 13 planes."""
+    """Explicit step of an inner rank: w up, interfaces 4, increment down, u, v, w both ways and p down: 13 planes.
+
+    In four messages to neighbours, and three to each rank: two of interfaces, one of measures.
+    """
     planes, n = (8, 8, 8, 8), 16
     found, of = slabs(planes, True), Box((1.0, 1.0, 2.0), ("periodic",) * 3)
 
     def sent(ranks):
         fluid = Fluid(Grid(of, (n, n, 32), 1, found[ranks.rank]), 1.0, 0.02, True, ranks)
-        before = ranks.sent_bytes
+        before = ranks.sent_bytes, ranks.messages
         fluid.predict(0.01, (0.0, 0.0, -0.2))
         fluid.project(0.01)
-        return ranks.sent_bytes - before
+        return ranks.sent_bytes - before[0], ranks.messages - before[1]
 
     halos, modes = 9 * 8 * (n + 2) ** 2, 4 * 8 * n**2
-    for sent_by_one in on_ranks(4, sent):
+    for sent_by_one, messages in on_ranks(4, sent):
+        assert messages == 4 + 3 * 3
         # Of the modes a quarter stays; three numbers go to three others.
         assert sent_by_one == halos + modes * 3 // 4 + 3 * 3 * 8
 

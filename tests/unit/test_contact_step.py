@@ -1,5 +1,7 @@
 """One step of the contacts: free flight, walls, prescribed bodies, overrides, episodes, refusals."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -57,6 +59,20 @@ def test_periodic_crossings_count_and_positions_stay_inside():
     advance(Contacts(b, PERIODIC, LAW), 1)
     np.testing.assert_allclose(b.position[0], [0.0004, 0.05, 0.0996], atol=1e-15)
     assert b.crossings.tolist() == [[1, 0, -1], [0, 0, 0]]
+
+
+def test_simulations_in_threads_that_share_a_law_do_not_disturb_each_other():
+    def bed(shift):
+        places = np.ascontiguousarray(0.0096 * np.indices((5, 5, 5)).reshape(3, -1).T + 0.02 + shift)
+        return Contacts(sphere(places, 0.2 * np.sin(np.arange(375.0)).reshape(-1, 3)), WALLED, LAW)
+
+    alone, together = ([bed(1e-3 * n) for n in range(2)] for _ in range(2))
+    for one in alone:
+        advance(one, 15)
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(lambda one: advance(one, 15), together))
+    for one, other in zip(alone, together, strict=True):
+        np.testing.assert_array_equal(one.bodies.velocity, other.bodies.velocity)
 
 
 def test_a_contact_through_the_periodic_seam():

@@ -13,7 +13,7 @@ from rdpm.errors import CaseError
 from rdpm.grid import Box
 from rdpm.particles.state import Bodies
 
-from .driver import ContactStep, ContactTask
+from .driver import ContactStep, ContactTask, Room
 from .episodes import EPISODE, Episodes
 from .history import History
 from .law import ContactLaw
@@ -93,7 +93,7 @@ class Contacts:
             raise CaseError("contact.overlap_limit", overlap_limit, rule, cure="Correct this value.")
         self.bodies, self.box, self.law, self.lubrication = bodies, box, law, lubrication
         self.substeps_per_contact, self.overlap_limit, self.threads = substeps_per_contact, overlap_limit, threads
-        self._list, self._close = NeighbourList(bodies, box), Neighbours(bodies, box)
+        self._list, self._close, self._room = NeighbourList(bodies, box), Neighbours(bodies, box), Room()
         self._lubrication_range = 0.0
         if lubrication and len(bodies):
             self._lubrication_range = lubrication.largest_gap(0.5 * bodies.diameter, bool(box.walls))
@@ -153,7 +153,7 @@ class Contacts:
         is_active[chosen.active] = True
         self._resolve(step, ContactTask(
             b, self.box, self._table, chosen, self._list.radius, rotation, force, torque, inverse_mass, inverse_moment,
-            time, dt, self.substeps_per_contact, self.overlap_limit, self.threads,
+            time, dt, self.substeps_per_contact, self.overlap_limit, self.threads, self._room,
         ))  # fmt: skip
         _core.end_step(
             self.box.table, b.position, b.velocity, b.angular_velocity, b.orientation, b.crossings, rotation,

@@ -17,9 +17,28 @@ from .neighbour_list import Selection
 from .pair_table import PairTable
 from .rows import Rows
 
-__all__ = ["ContactStep", "ContactTask", "Driver"]
+__all__ = ["ContactStep", "ContactTask", "Driver", "Room"]
 
 Floats = NDArray[np.float64]
+
+#: Doubles of room a body while its pairs act, and for all to begin at a line of the cache
+#: (``contacts/body_rows.hpp``); integers a pair.
+BODY_ROOM, ROOM_TO_ALIGN, PAIR_ROOM = 32, 7, 2
+
+
+class Room:
+    """Memory that a driver works in. It grows and is kept; laws are shared by simulations, it is not."""
+
+    def __init__(self) -> None:
+        self._of_bodies, self._of_pairs = np.empty(0), np.empty(0, np.int32)
+
+    def holding(self, bodies: int, pairs: int) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+        """Rooms for so many bodies and pairs or more, of unknown content."""
+        if len(self._of_bodies) < BODY_ROOM * bodies + ROOM_TO_ALIGN:
+            self._of_bodies = np.empty(BODY_ROOM * (bodies + bodies // 8) + ROOM_TO_ALIGN)
+        if len(self._of_pairs) < PAIR_ROOM * pairs:
+            self._of_pairs = np.empty(PAIR_ROOM * (pairs + pairs // 8 + 64), np.int32)
+        return self._of_bodies, self._of_pairs
 
 
 @dataclass
@@ -99,6 +118,8 @@ class ContactTask:
     overlap_limit : float, [-]
         Of the smaller diameter.
     threads : int
+    room : Room
+        Of these contacts alone.
     """
 
     bodies: Bodies
@@ -116,6 +137,7 @@ class ContactTask:
     substeps_per_contact: int
     overlap_limit: float
     threads: int
+    room: Room
 
 
 class Driver(Protocol):

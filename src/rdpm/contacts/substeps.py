@@ -18,10 +18,6 @@ from .rows import Rows, as_bytes, check_layout
 
 __all__ = ["SubstepDriver"]
 
-#: Doubles of room a body while its pairs act, and for all to begin at a line of the cache
-#: (``contacts/body_rows.hpp``); integers a pair.
-BODY_ROOM, ROOM_TO_ALIGN, PAIR_ROOM = 32, 7, 2
-
 #: Fewer pairs than that are done before a second thread is awake.
 PARALLEL_PAIRS = 2000
 
@@ -52,7 +48,6 @@ class SubstepDriver:
         check_layout(parameters, kernel.parameters, "contact parameters")
         check_layout(history, kernel.history, "contact history")
         self._kernel, self._parameters, self._history = kernel, parameters, history
-        self._body_room, self._pair_room = np.empty(0), np.empty(0, np.int32)
 
     @property
     def parameters(self) -> np.dtype[np.void]:
@@ -64,14 +59,6 @@ class SubstepDriver:
         """What a pair in contact remembers for its law."""
         return self._history
 
-    def _room_for(self, bodies: int, pairs: int) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-        """Room of the kernel, which grows once and is kept."""
-        if len(self._body_room) < BODY_ROOM * bodies + ROOM_TO_ALIGN:
-            self._body_room = np.empty(BODY_ROOM * (bodies + bodies // 8) + ROOM_TO_ALIGN)
-        if len(self._pair_room) < PAIR_ROOM * pairs:
-            self._pair_room = np.empty(PAIR_ROOM * (pairs + pairs // 8 + 64), np.int32)
-        return self._body_room, self._pair_room
-
     def run(self, task: ContactTask, step: ContactStep, record: Callable[[NDArray[np.int32], Rows], None]) -> None:
         """Change bodies, states and histories of the task, and `step`; see :class:`rdpm.contacts.driver.Driver`."""
         b, table, chosen = task.bodies, task.table, task.selection
@@ -81,7 +68,7 @@ class SubstepDriver:
         step.substeps = 2 * ceil(0.5 * task.substeps_per_contact * task.dt / chosen.shortest)
         h = task.dt / max(step.substeps, 1)
         finished = np.empty(max(64, 4 * len(chosen)), FINISHED)
-        room = self._room_for(len(chosen.active), len(chosen))
+        room = task.room.holding(len(chosen.active), len(chosen))
         threads = task.threads if len(chosen) >= PARALLEL_PAIRS else 1
         at = 0
         while at < step.substeps:

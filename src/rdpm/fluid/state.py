@@ -70,7 +70,7 @@ class Fluid:
         self._rate = [] if self.is_explicit else [self.grid.zeros() for _ in range(3)]
         self._last_dt = 0.0
         self._scratch = np.zeros(0)
-        self._no_planes = np.zeros((0, *self.grid.shape[1:]))
+        self._no_planes: Field = np.zeros((0, *self.grid.shape[1:]))
         self._halo: Halo | None = None
         self._projection: _core.Projection | SlabProjection = _core.Projection(self.grid.core)
         if self.grid.slab is not None:
@@ -162,11 +162,11 @@ class Fluid:
         else:
             ru, rv, rw = self._rate
             _core.momentum_rate(core, u, v, w, su, sv, sw, ru, rv, rw, self.p, now, then, nu, force, self._scratch)
-            below = above = self._no_planes
-            for component, (q, rate) in enumerate(zip(self.velocity, self._rate, strict=True)):
-                if self._halo is not None:
-                    below, above = self._halo.deep(rate, stages - 1)
-                _core.diffuse_stabilised(core, q, rate, component, dt, nu, stages, self._scratch, below, above)
+            others = [(self._no_planes, self._no_planes)] * 3
+            if self._halo is not None:
+                others = self._halo.deep(self._rate, stages - 1)
+            for component, (q, rate, beyond) in enumerate(zip(self.velocity, self._rate, others, strict=True)):
+                _core.diffuse_stabilised(core, q, rate, component, dt, nu, stages, self._scratch, *beyond)
         if self._ends and passing:
             self._ends.set(self.velocity, *passing)
         self._last_dt = dt

@@ -40,6 +40,8 @@ class ImmersedBodies:
         Steps are of any length: what is of first order in it is removed from the lagged forcing.
     walls : WallMarkers, optional
         Of the walls within the box; made when left out.
+    markers : MarkerSet, optional
+        Made when left out; otherwise `begin` must follow, or a restored state.
 
     Attributes
     ----------
@@ -53,8 +55,6 @@ class ImmersedBodies:
         Mass and moment of inertia that contacts act on.
     slip : float, [m/s]
         Root mean square velocity change that the last forcing pass still made.
-    slip_square : ndarray, (N,), [m^2/s^2]
-        Of each body, the sum of its square over the markers.
     pass_seconds : float, [s]
         Wall time spent in forcing passes so far.
     """
@@ -67,18 +67,24 @@ class ImmersedBodies:
         calibration: Calibration = CALIBRATION,
         has_variable_steps: bool = False,
         walls: WallMarkers | None = None,
+        markers: MarkerSet | None = None,
     ) -> None:
         self.bodies, self.calibration, self.has_variable_steps = bodies, calibration, has_variable_steps
-        self.markers = MarkerSet(bodies, fluid.grid, calibration)
+        self.markers = MarkerSet(bodies, fluid.grid, calibration) if markers is None else markers
         self.walls = WallMarkers(fluid.grid, calibration) if walls is None else walls
         self.motion = RigidMotion(bodies, fluid.density, self.markers.h, gravity, calibration)
         self.slip = self.pass_seconds = 0.0
-        self.slip_square = np.zeros(len(bodies))
-        self.markers.place(bodies.position, bodies.orientation)
+        self.inertia, self.load = bodies.inertia, np.zeros((len(bodies), 6))
+        if markers is None:
+            self.markers.place(bodies.position, bodies.orientation)
+            self.begin(fluid)
+
+    def begin(self, fluid: Fluid) -> None:
+        """Find what the first step begins with, the markers being placed."""
+        bodies = self.bodies
         self.motion.interior = self.interior_momentum(fluid)
         self.inertia = self._contact_inertia()
         # In the first step weight less buoyancy moves body and added mass.
-        self.load = np.zeros((len(bodies), 6))
         accelerated = self.inertia[:, 0] / (bodies.mass + 0.5 * self.motion.fluid_mass)
         self.load[:, :3] = accelerated[:, None] * self.motion.weight
 
@@ -177,13 +183,13 @@ class ImmersedBodies:
         """
         bodies, markers, density = self.bodies, self.markers, fluid.density
         free = (bodies.is_free if given is None else bodies.is_free & ~given)[:, None]
-        lagged = density * dt * markers.sums(markers.force)
-        interior = markers.interior_motion(fluid.velocity, bodies)
-        equation = self.motion.equation(dt, before, impulse, lagged, interior, markers.layer_matrix())
+        lagged, interior, layer = markers.before_forcing(fluid.velocity, bodies)
+        lagged *= density * dt
+        equation = self.motion.equation(dt, before, impulse, lagged, interior, layer)
         applied = np.zeros_like(lagged)
         began = perf_counter()
         for _ in range(self.calibration.forcing_passes):
-            at_markers = density * markers.sums(markers.interpolate(fluid.velocity))
+            at_markers = density * markers.velocity_sums(fluid.velocity)
             solved = equation.solve(at_markers, applied)
             np.copyto(bodies.velocity, solved[:, :3], where=free)
             np.copyto(bodies.angular_velocity, solved[:, 3:], where=free)
@@ -193,8 +199,7 @@ class ImmersedBodies:
             if len(self.walls):
                 self.walls.impose_no_slip(fluid.velocity, dt)
         self.pass_seconds += perf_counter() - began
-        self.slip_square = sums[:, 6]
-        self.slip = float(np.sqrt(self.slip_square.sum() / len(markers))) if len(markers) else 0.0
+        self.slip = float(np.sqrt(sums[:, 6].sum() / len(markers))) if len(markers) else 0.0
         self.motion.conclude(equation, applied, dt)
         if given is not None:
             self.motion.balance(given, before, impulse, dt)
@@ -221,10 +226,6 @@ class ImmersedBodies:
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Take over what `state` gave; the bodies are restored before."""
         self.walls.restore(state)
-        self.restore_markers(state)
-
-    def restore_markers(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Take over what `state` gave of the bodies, not of walls."""
         self.markers.restore(state)
         self.motion.restore(state)
         self.slip, self.load = float(state["slip"]), np.array(state["load"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,14 +12,13 @@ from rdpm import _core
 from rdpm.conventions import FIRST_WALL
 from rdpm.grid import Grid
 from rdpm.particles.calibration import CALIBRATION, Calibration
-from rdpm.particles.seeding import marker_count, sphere_points
+from rdpm.particles.seeding import marker_arms
 from rdpm.particles.state import Bodies
 from rdpm.particles.walls import left_to_marker
 
-__all__ = ["MarkerSet"]
+__all__ = ["MarkerSet", "layer_matrices", "means"]
 
 Floats = NDArray[np.float64]
-Complete = Callable[[Floats, bool], None]
 
 
 class MarkerSet:
@@ -31,6 +30,8 @@ class MarkerSet:
     grid : Grid
     calibration : Calibration
         Depth of the markers below the surface, and how they are excluded near other surfaces.
+    chosen : ndarray of bool, optional
+        Of all markers of the bodies, those that are here; every one when left out.
 
     Attributes
     ----------
@@ -44,28 +45,29 @@ class MarkerSet:
         Mean spacing of the grid.
     force : ndarray, (M, 3), [m/s^2]
         Lagged from step to step and turned with the body: the force a unit mass that holds no-slip there.
-    complete : callable or None
-        On a slab: adds to rows of numbers, changed in place, what other ranks find in their planes. It takes them, and
-        whether they are a row a marker or a row a body.
     """
 
-    def __init__(self, bodies: Bodies, grid: Grid, calibration: Calibration = CALIBRATION) -> None:
+    def __init__(
+        self,
+        bodies: Bodies,
+        grid: Grid,
+        calibration: Calibration = CALIBRATION,
+        chosen: NDArray[np.bool_] | None = None,
+    ) -> None:
         self.grid, self.calibration = grid, calibration
-        self.complete: Complete | None = None
         self.h = h = float(np.cbrt(np.prod(grid.spacing)))
-        radius = 0.5 * bodies.diameter
-        counts = [marker_count(a, h) for a in radius]
-        self.first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-        depth = radius - calibration.marker_retraction * h
-        self._body_arm = (
-            np.concatenate([sphere_points(n) * r for n, r in zip(counts, depth, strict=True)])
-            if len(bodies)
-            else np.zeros((0, 3))
-        )
+        arms = marker_arms(bodies.diameter, h, calibration.marker_retraction)
+        counts = np.array([len(each) for each in arms], np.int64)
+        depth = 0.5 * bodies.diameter - calibration.marker_retraction * h
+        self._body_arm = np.concatenate([*arms, np.zeros((0, 3))])
         layer = 4.0 / 3.0 * np.pi * ((depth + 0.5 * h) ** 3 - (depth - 0.5 * h) ** 3)
-        self.full_volume = np.repeat(layer / np.array(counts, float), counts) if len(bodies) else np.zeros(0)
-        self.volume = self.full_volume.copy()
         self.body = np.repeat(np.arange(len(bodies)), counts)
+        if chosen is not None:
+            self._body_arm, self.body = self._body_arm[chosen], self.body[chosen]
+        here = np.bincount(self.body, minlength=len(bodies))
+        self.first = np.concatenate([[0], np.cumsum(here)]).astype(np.int32)
+        self.full_volume = (layer / counts)[self.body]
+        self.volume = self.full_volume.copy()
         # One allocation: many markers then lie in large pages.
         self.arm, self.position, self.force, self._body_force, self._velocity = np.zeros((5, len(self), 3))
         self._layer_arm_square = depth**2
@@ -111,9 +113,11 @@ class MarkerSet:
     def interpolate(self, velocity: tuple[Floats, Floats, Floats]) -> Floats:
         """Velocity of the fluid at the markers, (M, 3) [m/s]; the array is used again by the next call."""
         self._stencils.interpolate(self.grid.core, *velocity, self._velocity)
-        if self.complete is not None:
-            self.complete(self._velocity, True)
         return self._velocity
+
+    def velocity_sums(self, velocity: tuple[Floats, Floats, Floats]) -> Floats:
+        """`sums` of the fluid's velocity at the markers, which is then interpolated for `force_rigid`."""
+        return self.sums(self.interpolate(velocity))
 
     def spread(self, target: tuple[Floats, Floats, Floats], values: Floats, factor: float) -> None:
         """Add factor * values, (M, 3), to a staggered field: the adjoint of `interpolate`."""
@@ -121,12 +125,11 @@ class MarkerSet:
 
     def interior_motion(self, velocity: tuple[Floats, Floats, Floats], bodies: Bodies) -> Floats:
         """Mean velocity and angular velocity of the fluid inside each body, (N, 6) [m/s], [rad/s]."""
-        sums = np.empty((len(bodies), 12))
-        self._stencils.inner_sums(self.grid.core, *velocity, bodies.position, 0.5 * bodies.diameter, sums)
-        if self.complete is not None:
-            self.complete(sums, False)
-        momentum, weight = (sums.reshape(-1, 2, 2, 3)[:, :, n].reshape(-1, 6) for n in range(2))
-        return np.divide(momentum, weight, out=np.zeros_like(momentum), where=weight > 0.0)
+        return means(self._inner_sums(velocity, bodies))
+
+    def before_forcing(self, velocity: tuple[Floats, Floats, Floats], bodies: Bodies) -> tuple[Floats, Floats, Floats]:
+        """`sums` of the lagged force, `interior_motion` and `layer_matrix`: what a step's equations are made of."""
+        return self.sums(self.force), self.interior_motion(velocity, bodies), self.layer_matrix()
 
     def sums(self, values: Floats) -> Floats:
         """Of each body, (N, 6): sum of volume * value, and of arm x (volume * value)."""
@@ -168,15 +171,7 @@ class MarkerSet:
         """
         moments = np.empty((self.first.size - 1, 10))
         _core.marker_moments(self.first, self.arm, self.volume, self.grid.threads, moments)
-        volume, (x, y, z) = moments[:, 0], moments[:, 1:4].T
-        xx, yy, zz, xy, yz, zx = moments[:, 4:].T
-        zero = np.zeros_like(x)
-        cross = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]])
-        matrix = np.zeros((6, 6, len(moments)))
-        matrix[range(3), range(3)] = volume
-        matrix[3:, :3], matrix[:3, 3:] = cross, -cross
-        matrix[3:, 3:] = [[yy + zz, -xy, -zx], [-xy, zz + xx, -yz], [-zx, -yz, xx + yy]]
-        return matrix.transpose(2, 0, 1)
+        return layer_matrices(moments)
 
     def exclude(self, bodies: Bodies, close: NDArray[np.int32], least: float) -> None:
         """Reduce the volume of markers that are close to another surface.
@@ -213,3 +208,28 @@ class MarkerSet:
             distance = wall.distance(self.position[at], grid.box.period)[0]
             left = self.full_volume[at] * left_to_marker(distance / h, c, least)
             self.volume[at] = np.minimum(self.volume[at], left)
+
+    def _inner_sums(self, velocity: tuple[Floats, Floats, Floats], bodies: Bodies) -> Floats:
+        """Over the fluid inside each body, (N, 12): of its motion and of the weights."""
+        sums = np.empty((len(bodies), 12))
+        self._stencils.inner_sums(self.grid.core, *velocity, bodies.position, 0.5 * bodies.diameter, sums)
+        return sums
+
+
+def means(inner_sums: Floats) -> Floats:
+    """Mean velocity and angular velocity, (N, 6), of the fluid of these sums."""
+    motion, weight = (inner_sums.reshape(-1, 2, 2, 3)[:, :, n].reshape(-1, 6) for n in range(2))
+    return np.divide(motion, weight, out=np.zeros_like(motion), where=weight > 0.0)
+
+
+def layer_matrices(moments: Floats) -> Floats:
+    """`MarkerSet.layer_matrix` of these moments."""
+    volume, (x, y, z) = moments[:, 0], moments[:, 1:4].T
+    xx, yy, zz, xy, yz, zx = moments[:, 4:].T
+    zero = np.zeros_like(x)
+    cross = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]])
+    matrix = np.zeros((6, 6, len(moments)))
+    matrix[range(3), range(3)] = volume
+    matrix[3:, :3], matrix[:3, 3:] = cross, -cross
+    matrix[3:, 3:] = [[yy + zz, -xy, -zx], [-xy, zz + xx, -yz], [-zx, -yz, xx + yy]]
+    return matrix.transpose(2, 0, 1)

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["marker_count", "sphere_points"]
+__all__ = ["marker_arms", "marker_count", "sphere_points"]
 
 #: Mirror images in the three coordinate planes times the cyclic exchange of the axes.
 SYMMETRY = 24
@@ -100,3 +100,27 @@ def sphere_points(count: int) -> NDArray[np.float64]:
     if count < SYMMETRY or count % SYMMETRY:
         raise ValueError(f"count = {count}: must be a positive multiple of {SYMMETRY}")
     return _points(count)
+
+
+def marker_arms(diameter: NDArray[np.float64], spacing: float, retraction: float) -> list[NDArray[np.float64]]:
+    """From each body's centre to its markers, in its axes.
+
+    Parameters
+    ----------
+    diameter : ndarray, (N,), [m]
+    spacing : float, [m]
+        Mean spacing of the grid.
+    retraction : float, [cells]
+        Depth of the markers below the surface.
+
+    Returns
+    -------
+    list of ndarray, (markers, 3), [m]
+
+    Examples
+    --------
+    >>> [arms.shape for arms in marker_arms(np.array([8.0]), 1.0, 0.3)]
+    [(192, 3)]
+    """
+    radius = 0.5 * diameter
+    return [sphere_points(marker_count(a, spacing)) * (a - retraction * spacing) for a in radius]

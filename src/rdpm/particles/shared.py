@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
@@ -14,9 +13,8 @@ from rdpm.fluid.state import Fluid
 from rdpm.parallel.gather import rows_on_root
 from rdpm.particles.calibration import CALIBRATION, Calibration
 from rdpm.particles.immersed import ClosePairs, ImmersedBodies
-from rdpm.particles.markers import MarkerSet
-from rdpm.particles.seeding import marker_count
 from rdpm.particles.sharing import Sharing
+from rdpm.particles.slab_markers import SlabMarkers
 from rdpm.particles.state import Bodies
 from rdpm.particles.walls import WallMarkers
 
@@ -35,9 +33,9 @@ ROW_COLUMNS = 7 + sum(_ROWS.values())
 class SharedBodies:
     """As `ImmersedBodies` to a step, of all bodies on every rank.
 
-    A rank holds the markers of the bodies that touch its planes. Each marker is interpolated and spread in the planes
-    of every rank that holds its body; what they interpolate is added up, in the order of ranks, so that all holders of
-    a body compute the same. Its rows are then those of its owner, the rank that has its centre.
+    A rank works on the bodies that touch its planes, and has those markers of them that do. What ranks interpolate at
+    markers that they have in common, and their sums over a body's markers, are added up, in the order of ranks, so that
+    all holders of a body compute the same. Its rows are then those of its owner, the rank that has its centre.
 
     Parameters
     ----------
@@ -69,22 +67,20 @@ class SharedBodies:
         self._fluid, self._gravity, self._is_variable = fluid, gravity, has_variable_steps
         self._ranks = fluid.ranks
         self.slip = self.pass_seconds = 0.0
-        h = float(np.cbrt(np.prod(fluid.grid.spacing)))
-        self._markers = np.array([marker_count(0.5 * d, h) for d in bodies.diameter], np.int64)
-        self._sharing = Sharing(fluid.grid, fluid.ranks, bodies.diameter)
-        self._sharing.hold(bodies, 0.0)
+        self._sharing = Sharing(fluid.grid, fluid.ranks, bodies, calibration)
         self.walls = WallMarkers(fluid.grid, calibration, fluid.ranks)
         self.part = self._made()
-        self._attach()
-        self.part.motion.interior = self.part.interior_momentum(fluid)
+        self.markers.place_all(self.part.bodies)
+        self.part.begin(fluid)
         self.load, self.inertia = np.zeros((len(bodies), 6)), np.zeros((len(bodies), 2))
         self.interior, self.residual = np.zeros((2, len(bodies), 6))
         self.hydrodynamic_force, self.hydrodynamic_torque, self.applied_force = np.zeros((3, len(bodies), 3))
         self._exchange_rows()
 
     @property
-    def markers(self) -> MarkerSet:
-        """Of the bodies here."""
+    def markers(self) -> SlabMarkers:
+        """Those at this slab."""
+        assert isinstance(self.part.markers, SlabMarkers)
         return self.part.markers
 
     @property
@@ -101,10 +97,9 @@ class SharedBodies:
     def move(self, fluid: Fluid, dt: float, close_pairs: ClosePairs) -> None:
         """See `ImmersedBodies.move`; bodies that came near this slab are taken over first."""
         self._follow(dt)
-        bodies, local, here = self.bodies, self.part.bodies, self.here
+        bodies, local, here, markers = self.bodies, self.part.bodies, self.here, self.markers
         for name in ("position", "orientation", "velocity", "angular_velocity", "motion"):
             np.copyto(getattr(local, name), getattr(bodies, name)[here])
-        markers = self.part.markers
         markers.place(local.position, local.orientation)
         close, least = close_pairs(markers.exclusion_range), self.part.retained_fraction(fluid, dt)
         known, pairs = self._surroundings(close)
@@ -137,35 +132,32 @@ class SharedBodies:
 
     def state(self) -> dict[str, NDArray[Any]]:
         """As `ImmersedBodies.state`, whole on the root alone: what the markers have is empty on other ranks."""
-        markers = self.part.markers
-        own = self._sharing.own_rows(markers.first)
-        order = self._order_of_markers()
-        of_markers = {}
-        for name, values in markers.state().items():
-            gathered = rows_on_root(self._ranks, values.reshape(len(markers), math.prod(values.shape[1:]))[own])
-            whole = np.empty((len(order) if self._ranks.rank == 0 else 0, gathered.shape[1]))
-            whole[order[: len(whole)]] = gathered
-            of_markers[name] = whole.reshape(-1, *values.shape[1:])
-        rows = {name: getattr(self, name) for name in _MOTION}
-        return {**of_markers, **rows, **self.walls.state(), "slip": np.array(self.slip), "load": self.load}
+        markers, ids = self.markers, self._sharing.ids
+        of_part = markers.state()
+        rows = np.concatenate([ids[:, None], of_part["force"], of_part["volume"][:, None]], axis=1)
+        gathered = rows_on_root(self._ranks, rows[markers.is_own])
+        whole = np.empty((self._sharing.markers if self._ranks.rank == 0 else 0, 4))
+        whole[gathered[:, 0].astype(np.int64)] = gathered[:, 1:]
+        of_markers = {"force": whole[:, :3], "volume": whole[:, 3]}
+        of_bodies = {name: getattr(self, name) for name in _MOTION}
+        return {**of_markers, **of_bodies, **self.walls.state(), "slip": np.array(self.slip), "load": self.load}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Take over what `state` gave on the root; the bodies are restored before."""
-        self.slip = float(state["slip"])
         self.load = np.array(state["load"])
         for name in _MOTION:
             setattr(self, name, np.array(state[name]))
         self._sharing.hold(self.bodies, 0.0)
+        self._sharing.renew(self.bodies)
         self.part = self._made()
-        first = np.concatenate([[0], np.cumsum(self._markers)])
-        rows = _ranges(first[self.here], self._markers[self.here])
-        of_part = {name: getattr(self, name)[self.here] for name in (*_MOTION, "load")}
-        self.part.restore_markers(
-            {"force": state["force"][rows], "volume": state["volume"][rows], "slip": state["slip"]} | of_part
-        )
+        ids, markers = self._sharing.ids, self.markers
+        markers.restore({"force": state["force"][ids], "volume": state["volume"][ids]})
+        markers.place_all(self.part.bodies)
+        self._give_rows()
+        self.part.inertia = self.part.motion.contact_inertia(*markers.layer_inertia())
         self.walls.restore(state)
-        self._attach()
         self._exchange_rows()
+        self.slip = float(state["slip"])
 
     def _made(self) -> ImmersedBodies:
         bodies, here = self.bodies, self.here
@@ -174,36 +166,28 @@ class SharedBodies:
             bodies.angular_velocity[here], bodies.motion[here],
         )  # fmt: skip
         np.copyto(local.orientation, bodies.orientation[here])
-        return ImmersedBodies(local, self._fluid, self._gravity, self.calibration, self._is_variable, self.walls)
-
-    def _attach(self) -> None:
-        """Have the part's sums completed by the other holders."""
-        self._sharing.index(self.part.markers.first)
-        self.part.markers.complete = self._sharing.complete
+        markers = SlabMarkers(local, self._fluid.grid, self.calibration, self._ranks, self._sharing)
+        return ImmersedBodies(
+            local, self._fluid, self._gravity, self.calibration, self._is_variable, self.walls, markers
+        )  # fmt: skip
 
     def _follow(self, dt: float) -> None:
-        """Take over bodies that now touch this slab, with their lagged forces, and let go of others."""
-        before, old = self.here, self.part
-        arrivals = self._sharing.hold(self.bodies, dt)
-        forces = old.markers.state()["force"]
-        gained = self._sharing.bring(arrivals, forces, before, old.markers.first, self._markers)
-        if np.array_equal(before, self.here):
-            self._sharing.index(old.markers.first)
+        """Take over bodies and markers that now touch this slab, with their lagged forces, and let go of others."""
+        sharing = self._sharing
+        if not sharing.hold(self.bodies, dt):
             return
+        force = sharing.renew(self.bodies, self.markers.state()["force"])
         self.part = self._made()
-        first = self.part.markers.first
-        force, volume = np.zeros((len(self.part.markers), 3)), self.part.markers.full_volume.copy()
-        stays = np.isin(before, self.here)
-        kept = np.searchsorted(self.here, before[stays])
-        counts = self._markers[before[stays]]
-        new_rows, old_rows = _ranges(first[kept], counts), _ranges(old.markers.first[:-1][stays], counts)
-        force[new_rows], volume[new_rows] = forces[old_rows], old.markers.volume[old_rows]
-        for ids, values in gained:
-            force[_ranges(first[np.searchsorted(self.here, ids)], self._markers[ids])] = values
-        rows = {name: getattr(self, name)[self.here] for name in (*_MOTION, "load")}
-        self.part.restore_markers({"force": force, "volume": volume, "slip": np.array(0.0)} | rows)
+        np.copyto(self.markers.state()["force"], force)
+        self._give_rows()
         self.part.inertia = self.inertia[self.here]
-        self._attach()
+
+    def _give_rows(self) -> None:
+        """Give the bodies here their rows."""
+        part = self.part
+        part.load = self.load[self.here]
+        for name in _MOTION:
+            setattr(part.motion, name, getattr(self, name)[self.here])
 
     def _surroundings(self, pairs: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
         """Ids of the bodies here, then of others close to them; and the pairs, in numbers of these."""
@@ -224,7 +208,7 @@ class SharedBodies:
         part, local, sharing = self.part, self.part.bodies, self._sharing
         mine = np.concatenate(
             [
-                local.velocity, local.angular_velocity, part.slip_square[:, None], part.load, part.inertia,
+                local.velocity, local.angular_velocity, self.markers.slip_square[:, None], part.load, part.inertia,
                 *(getattr(part.motion, name) for name in _MOTION),
             ],
             axis=1,
@@ -235,25 +219,10 @@ class SharedBodies:
         columns = dict(zip(("velocity", "angular_velocity", "slip", *_ROWS), pairwise(at), strict=True))
         for name in ("velocity", "angular_velocity"):
             np.copyto(getattr(self.bodies, name), table[:, slice(*columns[name])])
-        markers = int(self._markers.sum())
+        markers = sharing.markers
         self.slip = float(np.sqrt(table[:, columns["slip"][0]].sum() / markers)) if markers else 0.0
         for name in _ROWS:
             setattr(self, name, np.ascontiguousarray(table[:, slice(*columns[name])]))
         # All holders of a body go on from the same rows.
-        part.load, part.inertia = self.load[self.here], self.inertia[self.here]
-        for name in _MOTION:
-            setattr(part.motion, name, getattr(self, name)[self.here])
-
-    def _order_of_markers(self) -> NDArray[np.int64]:
-        """Rows, in the whole list of markers, of those that the ranks own, rank after rank."""
-        first = np.concatenate([[0], np.cumsum(self._markers)])
-        order = self._sharing.order
-        return _ranges(first[order], self._markers[order])
-
-
-def _ranges(first: NDArray[Any], counts: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The rows first[n] to first[n] + counts[n], one range after the other."""
-    if not len(counts):
-        return np.zeros(0, np.int64)
-    begin = np.repeat(first - np.concatenate([[0], np.cumsum(counts)[:-1]]), counts)
-    return np.asarray(begin + np.arange(int(counts.sum())), np.int64)
+        part.inertia = self.inertia[self.here]
+        self._give_rows()

@@ -14,7 +14,7 @@ from rdpm.grid import Grid
 from rdpm.parallel.gather import rows_on_root
 from rdpm.parallel.ranks import ALONE, Ranks
 from rdpm.particles.calibration import CALIBRATION, Calibration
-from rdpm.particles.sharing import Common, Cuts
+from rdpm.particles.sharing import Common, Cuts, add_up
 from rdpm.particles.state import Bodies
 from rdpm.surfaces import Cylinder, Plane, Surface
 
@@ -165,7 +165,7 @@ class WallMarkers:
         """
         self._stencils.interpolate(self.grid.core, *velocity, self._at_markers)
         if self._common is not None:
-            self._common.add_up(self._at_markers)
+            add_up(self._ranks, (self._common, self._at_markers))
         change = self.velocity - self._at_markers
         self._stencils.spread(self.grid.core, *velocity, change, self.volume, 1.0)
         self.force += change / dt
@@ -239,14 +239,12 @@ class WallMarkers:
 def _shared(grid: Grid, ranks: Ranks, z: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64], Common]:
     """Of markers at these heights, which this rank works on, which of those are its own, and what it shares of them."""
     assert grid.slab is not None
-    planes = [int(n) for n in ranks.table([grid.slab.planes])[:, 0]]
-    cuts = Cuts(planes, grid.spacing, grid.size[2] if grid.is_periodic[2] else 0.0)
-    holders = cuts.beyond(z, np.zeros(len(z))) <= 0.0
+    cuts = Cuts.of(grid, ranks)
+    holders = cuts.touched(z)
     here = np.flatnonzero(holders[ranks.rank])
     held = holders[:, here]
     rows = {rank: np.flatnonzero(both) for rank, both in enumerate(held) if rank != ranks.rank and both.any()}
-    own = np.flatnonzero(cuts.owner(z[here]) == ranks.rank)
-    return here, own, Common(ranks, rows, not (held.sum(axis=0) > 2).any())
+    return here, np.flatnonzero(cuts.owner(z[here]) == ranks.rank), Common(ranks.rank, rows)
 
 
 def _velocity(wall: Surface, points: Floats) -> Floats:

@@ -27,7 +27,7 @@ from rdpm.particles.prescribed import Motion, Prescription
 from rdpm.particles.shared import SharedBodies
 from rdpm.particles.state import Bodies
 from rdpm.setup.inflow import inflow_of
-from rdpm.setup.on_ranks import slab_of
+from rdpm.setup.on_ranks import bodies_of, slab_of
 from rdpm.setup.plan import Plan, plan
 from rdpm.simulation.record import Record
 from rdpm.simulation.time_loop import TimeLoop
@@ -171,12 +171,7 @@ def _system(made: Plan, threads: int, calibration: Calibration, ranks: Ranks) ->
 
 
 def _bodies(case: Case) -> tuple[Bodies, Prescription]:
-    table = case.expanded_bodies()
-    bodies = Bodies(table.diameter, table.density, table.position, table.velocity, table.angular_velocity)
-    for number, group in enumerate(case.bodies):
-        if group.orientation_seed is not None:
-            bodies.turn_at_random(np.flatnonzero(table.group == number), group.orientation_seed)
-    prescription = Prescription(_motions(table.motion))
+    bodies, prescription = bodies_of(case), Prescription(_motions(case.expanded_bodies().motion))
     prescription.hold(bodies, 0.0, 0.0)
     return bodies, prescription
 

@@ -5,15 +5,26 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from rdpm.config.case import Case
 from rdpm.parallel.decomposition import LEAST_PLANES, Slab, cut, slabs
 from rdpm.parallel.ranks import Ranks
 from rdpm.particles.state import Bodies
 from rdpm.setup.plan import Plan
 
-__all__ = ["plane_costs", "planes_of_ranks", "slab_of"]
+__all__ = ["bodies_of", "plane_costs", "planes_of_ranks", "slab_of"]
 
 #: Time of a marker's step over that of a cell's (measured: 370 and 13.6 ns); only the balance of ranks depends on it.
 MARKER_COST = 27.0
+
+
+def bodies_of(case: Case) -> Bodies:
+    """Return the bodies as a case has them at the start."""
+    table = case.expanded_bodies()
+    bodies = Bodies(table.diameter, table.density, table.position, table.velocity, table.angular_velocity)
+    for number, group in enumerate(case.bodies):
+        if group.orientation_seed is not None:
+            bodies.turn_at_random(np.flatnonzero(table.group == number), group.orientation_seed)
+    return bodies
 
 
 def plane_costs(made: Plan, bodies: Bodies) -> NDArray[np.float64]:

@@ -10,13 +10,12 @@ import numpy as np
 
 from rdpm.errors import CaseError
 from rdpm.particles.calibration import CALIBRATION
-from rdpm.particles.seeding import marker_count
-from rdpm.particles.sharing import Cuts
-from rdpm.particles.state import Bodies
+from rdpm.particles.seeding import marker_arms, marker_count
+from rdpm.particles.sharing import Cuts, held_markers
 from rdpm.particles.walls import wall_points
 from rdpm.setup.disk import size_text
 from rdpm.setup.needs import memory_needs
-from rdpm.setup.on_ranks import MARKER_COST, planes_of_ranks
+from rdpm.setup.on_ranks import MARKER_COST, bodies_of, planes_of_ranks
 from rdpm.setup.plan import Plan
 from rdpm.setup.rank_traffic import Traffic, shared_with, step_traffic
 from rdpm.setup.rows import EXPECTED_NS, PlanRow
@@ -155,8 +154,8 @@ def _of_walls(made: Plan, cuts: Cuts, h: float, rank: int) -> dict[int, int] | N
         return None
     size, depth = np.array(made.case.domain.size), CALIBRATION.marker_retraction * h
     z = np.concatenate([wall_points(wall.surface, size, h, depth)[0][:, 2] for wall in made.case.walls])
-    holders = cuts.beyond(z, np.zeros(len(z))) <= 0.0
-    return {other: n for other, (n, _) in shared_with(holders, np.ones(len(z), np.int64), rank).items()}
+    holders = cuts.touched(z)
+    return {other: n for other, (_, n) in shared_with(holders[:, :0], holders, rank).items()}
 
 
 def _threads(count: int) -> str:
@@ -196,24 +195,27 @@ def plan_ranks(made: Plan, ranks: int, threads: int = 1, cell_ns: float = EXPECT
     if cells is None or ranks < 1:
         reason = "a dry case is run alike by all ranks" if cells is None else "a run has one at least"
         raise CaseError("--ranks", ranks, "must share a flow" if cells is None else "must be at least 1", reason)
-    table = case.expanded_bodies()
-    bodies = Bodies(table.diameter, table.density, table.position, table.velocity)
+    bodies = bodies_of(case)
     planes, costs = planes_of_ranks(made, bodies, ranks)
     x, y, dz = (length / n for length, n in zip(case.domain.size, cells, strict=True))
     period = case.domain.size[2] if case.domain.is_periodic[2] else 0.0
-    cuts, z = Cuts(planes, (x, y, dz), period), bodies.position[:, 2]
-    h = float(np.cbrt(x * y * dz))
-    markers = np.array([marker_count(0.5 * d, h) for d in bodies.diameter], np.int64)
-    holders = cuts.beyond(z, 0.5 * bodies.diameter + 0.5 * made.step.dt * np.abs(bodies.velocity[:, 2])) <= 0.0
+    cuts, h = Cuts(planes, (x, y, dz), period), float(np.cbrt(x * y * dz))
+    z, travel = bodies.position[:, 2], 0.5 * made.step.dt * np.abs(bodies.velocity[:, 2])
+    holders = cuts.beyond(z, 0.5 * bodies.diameter + travel) <= 0.0
+    several = np.flatnonzero(holders.sum(axis=0) > 1)
+    arms = marker_arms(bodies.diameter[several], h, CALIBRATION.marker_retraction)
+    in_common = held_markers(cuts, holders[:, several], z[several], bodies.orientation[several], arms)
+    alone = np.array([marker_count(0.5 * d, h) for d in bodies.diameter], np.int64)
+    alone[several] = 0
     owned = np.bincount(cuts.owner(z), minlength=ranks)
     stages = 0 if made.step.is_explicit else made.step.stages
     ends, shares = np.concatenate([[0], np.cumsum(planes)]), []
     for rank in range(ranks):
-        shared = shared_with(holders, markers, rank)
+        shared = shared_with(holders, in_common, rank)
         own = int(owned[rank]) if len(bodies) or case.walls else None
         walls, is_stream = _of_walls(made, cuts, h, rank), case.domain.inflow_axis in (0, 1)
         sent = step_traffic(cells, ranks, rank, period > 0.0, stages, shared, own, walls, is_stream)
-        held = int(markers[holders[rank]].sum())
+        held = int(alone[holders[rank]].sum() + in_common[rank].sum())
         slab = cells[0], cells[1], planes[rank]
         solver = memory_needed(slab, made.step.is_explicit, held) + 8 * cells[0] * cells[1] * SLAB_PLANES
         memory = _memory(made, rank, slab, solver)

@@ -13,8 +13,12 @@ from rdpm.particles.shared import ROW_COLUMNS
 
 __all__ = ["Traffic", "shared_with", "step_traffic"]
 
-#: Numbers of 8 bytes: of a body's interior, of a marker, of what a step's measures and its vote on errors are.
-INTERIOR, MARKER, MEASURES, VOTE = 12, 3, 3, 1
+#: Numbers of 8 bytes of a body in common: before the passes interior, lagged force and moments of its markers; in each
+#: pass its sums; at the end interior and slip.
+BEFORE, SUMS, AFTER = 28, 6, 13
+
+#: Of a marker in each pass, of a step's measures, of its vote on errors.
+MARKER, MEASURES, VOTE = 3, 3, 1
 
 
 @dataclass(frozen=True)
@@ -77,19 +81,20 @@ def step_traffic(
     others, plane = ranks - 1, (nx + 2) * (ny + 2)
     up = 1 if is_periodic or rank < ranks - 1 else 0
     down = 1 if is_periodic or rank > 0 else 0
-    # w up, the increment down, then u, v, w up and u, v, w, p down.
-    messages, numbers = 4 * up + 5 * down, (4 * up + 5 * down) * plane
+    both = min(up + down, others)  # neighbours: two slabs of a periodic box are so above and below
+    # w up, the increment down, then together u, v, w up and u, v, w, p down.
+    messages, numbers = up + down + both, (4 * up + 5 * down) * plane
     # Two numbers of each mode to the rank that solves it, and back.
     mine = nx * ny * (rank + 1) // ranks - nx * ny * rank // ranks
     messages, numbers = messages + 2 * others, numbers + 2 * (nx * ny - mine) + 2 * mine * others
-    if stages:  # the rate of each component, as deep as the stages reach
-        messages, numbers = messages + 3 * (up + down), numbers + 3 * (up + down) * (stages - 1) * plane
+    if stages:  # the rates of the components together, as deep as the stages reach
+        messages, numbers = messages + both, numbers + 3 * (up + down) * (stages - 1) * plane
     tables, columns = 2 + is_stream, MEASURES + VOTE + is_stream
     messages, numbers = messages + tables * others, numbers + columns * others
     if owned is not None:
         for bodies, markers in shared.values():
-            # Their interior before the passes and at the end, and their markers' velocities in each pass.
-            messages, numbers = messages + 2 + passes, numbers + 2 * INTERIOR * bodies + passes * MARKER * markers
+            messages, numbers = messages + 2 + passes, numbers + (BEFORE + passes * SUMS + AFTER) * bodies
+            numbers += passes * MARKER * markers
         messages, numbers = messages + others, numbers + ROW_COLUMNS * owned * others
     if of_walls is not None:  # their velocities in each pass, and the force on the fluid
         messages, numbers = messages + passes * len(of_walls), numbers + passes * MARKER * sum(of_walls.values())
@@ -97,23 +102,23 @@ def step_traffic(
     return Traffic(messages, 8 * numbers)
 
 
-def shared_with(holders: NDArray[np.bool_], markers: NDArray[np.int64], rank: int) -> dict[int, tuple[int, int]]:
+def shared_with(bodies: NDArray[np.bool_], markers: NDArray[np.bool_], rank: int) -> dict[int, tuple[int, int]]:
     """By other rank, how many bodies and markers both hold.
 
     Parameters
     ----------
-    holders : ndarray of bool, (ranks, N)
-    markers : ndarray of int, (N,)
+    bodies, markers : ndarray of bool, (ranks, N), (ranks, M)
+        Which ranks hold which.
     rank : int
 
     Examples
     --------
-    >>> shared_with(np.array([[True, True], [False, True]]), np.array([96, 144]), 0)
-    {1: (1, 144)}
+    >>> shared_with(np.array([[True, True], [False, True]]), np.array([[True, True], [True, True]]), 0)
+    {1: (1, 2)}
     """
-    common = holders & holders[rank]
+    of_bodies, of_markers = ((held & held[rank]).sum(axis=1) for held in (bodies, markers))
     return {
-        other: (int(both.sum()), int(markers[both].sum()))
-        for other, both in enumerate(common)
-        if other != rank and both.any()
+        other: (int(of_bodies[other]), int(of_markers[other]))
+        for other in range(len(bodies))
+        if other != rank and (of_bodies[other] or of_markers[other])
     }
