@@ -1,4 +1,4 @@
-"""Charts of the validation: measured points as marks, computed ones as lines."""
+"""Charts of the validation: measured points as rings, computed ones as lines."""
 
 from __future__ import annotations
 
@@ -13,6 +13,9 @@ from rdpm.figures.style import ACCENT, PALETTE, drawing, save
 __all__ = ["Chart", "Curve", "draw"]
 
 Floats = NDArray[np.float64]
+
+#: Of so many points or fewer each is marked on its line.
+FEW_POINTS = 12
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,8 @@ def draw(chart: Chart, folder: str | Path) -> Path:
             if curve.is_measured:
                 axes.plot(curve.x, curve.y, "o", markersize=3.5, color=ACCENT, label=curve.label, fillstyle="none")
             else:
-                axes.plot(curve.x, curve.y, color=next(colours), label=curve.label)
+                marker = "." if len(curve.x) <= FEW_POINTS else ""  # where the line was computed
+                axes.plot(curve.x, curve.y, marker=marker, color=next(colours), label=curve.label)
         axes.set(title=chart.title, xlabel=chart.x_label, ylabel=chart.y_label)
         if chart.log_x:
             axes.set_xscale("log")
